@@ -41,8 +41,7 @@ impl Easel {
 
 /// Where each of `items` is drawn.
 pub fn viewports(items: usize) -> Vec<Rect> {
-    let (rows, columns) = layout::rows_and_columns(SIZE_PX.0, SIZE_PX.1, items, 1.0);
-    layout::grid(Rect::of_size(SIZE_PX.0, SIZE_PX.1), rows, columns, 0, items)
+    layout::arranged(Rect::of_size(SIZE_PX.0, SIZE_PX.1), items, 1.0, 0)
 }
 
 /// Waits until the device has finished its work.

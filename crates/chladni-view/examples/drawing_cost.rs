@@ -29,8 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let figures: Vec<Figure<'_>> =
             (0..items).map(|item| Figure::new(&topology, &buffers, item)).collect();
         let area = Rect::of_size(1280, 720);
-        let (rows, columns) = layout::rows_and_columns(area.width, area.height, items, 1.0);
-        let viewports = layout::grid(area, rows, columns, 0, items);
+        let viewports = layout::arranged(area, items, 1.0, 0);
         let mut camera = Camera::looking(View::ThreeQuarter);
         camera.fit(positions.iter().copied(), viewports[0].aspect(), 0.88);
         for samples in [Samples::One, Samples::Four] {

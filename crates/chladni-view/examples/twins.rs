@@ -49,8 +49,7 @@ fn measure(device: &Device, scene: &Scene, look: &Look) -> Result<(Vec<f64>, f64
         |item| Figure { material: look.material, paint, lag, ..Figure::new(&topology, &buffers, item) };
     let figures: Vec<Figure<'_>> = (0..scene.items).map(figure).collect();
     let area = Rect::of_size(scene.size[0], scene.size[1]);
-    let (rows, columns) = layout::rows_and_columns(area.width, area.height, scene.items, 1.0);
-    let viewports = layout::grid(area, rows, columns, 0, scene.items);
+    let viewports = layout::arranged(area, scene.items, 1.0, 0);
     let mut camera = Camera::looking(View::ThreeQuarter);
     camera.fit(positions.iter().copied(), viewports[0].aspect(), 0.88);
     let mut renderer = Renderer::new(device);

@@ -1,7 +1,8 @@
 //! Errors between a mesh and its picture.
 
+use std::fmt::Display;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a picture or a film could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -65,4 +66,16 @@ pub enum ViewError {
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] chladni_task::Cancelled),
+}
+
+impl ViewError {
+    /// The system's error about the file at `path`.
+    pub(crate) fn at(path: &Path) -> impl Fn(io::Error) -> Self {
+        move |source| Self::File { path: path.to_owned(), source }
+    }
+
+    /// That an image could not be encoded or decoded, in the words of its library.
+    pub(crate) fn image(error: impl Display) -> Self {
+        Self::Image(error.to_string())
+    }
 }

@@ -68,6 +68,17 @@ pub fn grid(area: Rect, rows: usize, columns: usize, gap: u32, count: usize) -> 
         .collect()
 }
 
+/// Cells of `cell_aspect` (width over height) for `count` things, as large as `area` allows, `gap` pixels apart.
+pub fn arranged(area: Rect, count: usize, cell_aspect: f32, gap: u32) -> Vec<Rect> {
+    let (rows, columns) = rows_and_columns(area.width, area.height, count, cell_aspect);
+    grid(area, rows, columns, gap, count)
+}
+
+/// Width over height of the narrowest of `cells`.
+pub fn narrowest(cells: &[Rect]) -> f32 {
+    cells.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

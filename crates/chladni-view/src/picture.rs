@@ -98,7 +98,7 @@ impl Picture {
     /// # Errors
     /// [`ViewError::Image`] where the sizes do not agree.
     pub fn to_png(&self) -> Result<Vec<u8>, ViewError> {
-        let opaque = self.rgba.as_chunks::<4>().0.iter().all(|pixel| pixel[3] == 255);
+        let opaque = is_opaque(&self.rgba);
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
         encoder.set_depth(png::BitDepth::Eight);
@@ -108,16 +108,15 @@ impl Picture {
         // shading and the background's dither.
         encoder.set_filter(png::Filter::Sub);
         encoder.set_deflate_compression(png::DeflateCompression::Level(3));
-        let failed = |error: png::EncodingError| ViewError::Image(error.to_string());
-        let mut writer = encoder.write_header().map_err(failed)?;
+        let mut writer = encoder.write_header().map_err(ViewError::image)?;
         if opaque {
             let rgb: Vec<u8> =
                 self.rgba.as_chunks::<4>().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
-            writer.write_image_data(&rgb).map_err(failed)?;
+            writer.write_image_data(&rgb).map_err(ViewError::image)?;
         } else {
-            writer.write_image_data(&self.rgba).map_err(failed)?;
+            writer.write_image_data(&self.rgba).map_err(ViewError::image)?;
         }
-        writer.finish().map_err(failed)?;
+        writer.finish().map_err(ViewError::image)?;
         Ok(bytes)
     }
 
@@ -126,7 +125,12 @@ impl Picture {
     /// # Errors
     /// [`ViewError::Image`] where the bytes do not begin such an image.
     pub fn size_of(bytes: &[u8]) -> Result<[u32; 2], ViewError> {
-        size_of(bytes)
+        let (width, height) = open(bytes)?.into_dimensions().map_err(ViewError::image)?;
+        // The decoder's limit counts the bytes of the file's own colors; four channels of a gray picture take more.
+        if u64::from(width) * u64::from(height) > MOST_PIXELS {
+            return Err(ViewError::Image(format!("{width} × {height} pixels are more than 64 megapixels")));
+        }
+        Ok([width, height])
     }
 
     /// Decodes a PNG or JPEG file, 64 megapixels at most, its rows as they are stored.
@@ -159,8 +163,8 @@ fn stored(bytes: &[u8]) -> Result<(DynamicImage, Orientation), ViewError> {
     if is_linear {
         return Err(ViewError::Image("a picture is a PNG or a JPEG".into()));
     }
-    let orientation = decoder.orientation().map_err(|error| failed(&error))?;
-    let image = DynamicImage::from_decoder(decoder).map_err(|error| failed(&error))?;
+    let orientation = decoder.orientation().map_err(ViewError::image)?;
+    let image = DynamicImage::from_decoder(decoder).map_err(ViewError::image)?;
     Ok((DynamicImage::ImageRgba8(image.into_rgba8()), orientation))
 }
 
@@ -183,32 +187,18 @@ const MOST_PIXELS: u64 = 64 << 20;
 type Reader<'a> = image::ImageReader<std::io::Cursor<&'a [u8]>>;
 
 fn open(bytes: &[u8]) -> Result<Reader<'_>, ViewError> {
-    image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(|error| failed(&error))
-}
-
-fn failed(error: &dyn std::fmt::Display) -> ViewError {
-    ViewError::Image(error.to_string())
-}
-
-/// Width and height of an image file of 64 megapixels at most.
-fn size_of(bytes: &[u8]) -> Result<[u32; 2], ViewError> {
-    let (width, height) = open(bytes)?.into_dimensions().map_err(|error| failed(&error))?;
-    // The decoder's limit counts the bytes of the file's own colors; four channels of a gray picture take more.
-    if u64::from(width) * u64::from(height) > MOST_PIXELS {
-        return Err(ViewError::Image(format!("{width} × {height} pixels are more than 64 megapixels")));
-    }
-    Ok([width, height])
+    image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(ViewError::image)
 }
 
 /// A PNG, JPEG or Radiance HDR file of 64 megapixels at most, and whether its numbers are linear light.
 pub(crate) fn read(bytes: &[u8]) -> Result<(DynamicImage, bool), ViewError> {
     let (decoder, is_linear) = begun(bytes)?;
-    Ok((DynamicImage::from_decoder(decoder).map_err(|error| failed(&error))?, is_linear))
+    Ok((DynamicImage::from_decoder(decoder).map_err(ViewError::image)?, is_linear))
 }
 
 /// The same before its pixels are decoded.
 fn begun(bytes: &[u8]) -> Result<(impl ImageDecoder, bool), ViewError> {
-    size_of(bytes)?;
+    Picture::size_of(bytes)?;
     let mut reader = open(bytes)?;
     let is_linear = reader.format() == Some(image::ImageFormat::Hdr);
     let mut limits = image::Limits::default();
@@ -217,8 +207,8 @@ fn begun(bytes: &[u8]) -> Result<(impl ImageDecoder, bool), ViewError> {
     // Three floating-point numbers a pixel, or four bytes.
     limits.max_alloc = Some(MOST_PIXELS * if is_linear { 12 } else { 4 });
     reader.limits(limits.clone());
-    let decoder = reader.into_decoder().map_err(|error| failed(&error))?;
-    limits.reserve(decoder.total_bytes()).map_err(|error| failed(&error))?;
+    let decoder = reader.into_decoder().map_err(ViewError::image)?;
+    limits.reserve(decoder.total_bytes()).map_err(ViewError::image)?;
     Ok((decoder, is_linear))
 }
 

@@ -120,7 +120,7 @@ pub fn film_turntable(
     let loaded = load(&device, request)?;
     let viewports = viewports(request);
     let points: Vec<[f32; 3]> = request.shapes.iter().flat_map(|s| s.positions).copied().collect();
-    let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
+    let aspect = layout::narrowest(&viewports);
     let turntable = Turntable::new(request.from, &points, aspect, film.settings().frames);
     shoot(renderer, &canvas, film, task, |renderer, canvas, frame| {
         let camera = turntable.at(frame);
@@ -135,9 +135,7 @@ fn load(on: &Device, request: &PictureRequest<'_>) -> Result<Vec<Loaded>, ViewEr
 
 /// The cells of a turntable, row by row.
 fn viewports(request: &PictureRequest<'_>) -> Vec<Rect> {
-    let count = request.shapes.len();
-    let (rows, columns) = layout::rows_and_columns(request.width, request.height, count, 0.85);
-    layout::grid(Rect::of_size(request.width, request.height), rows, columns, 0, count)
+    layout::arranged(Rect::of_size(request.width, request.height), request.shapes.len(), 0.85, 0)
 }
 
 fn draw(

@@ -65,8 +65,7 @@ impl Hanging {
 
     /// Each in a cell of `area`.
     pub fn placed(&mut self, area: Rect) -> Vec<Placed<'_>> {
-        let (rows, columns) = layout::rows_and_columns(area.width, area.height, self.count, 0.9);
-        self.cells = layout::grid(area, rows, columns, 2, self.count);
+        self.cells = layout::arranged(area, self.count, 0.9, 2);
         if !self.fitted {
             let aspect = self.cells.first().map_or(1.0, Rect::aspect);
             self.camera.fit(self.positions.iter().copied(), aspect, FILL);

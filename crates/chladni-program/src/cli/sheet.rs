@@ -96,7 +96,7 @@ pub fn placed(rows: &[Vec<Portrayed>], mut camera: Camera, [width, height]: [u32
     let cells = layout::grid(area, rows.len(), columns, 0, rows.len() * columns);
     let cells: Vec<Rect> =
         cells.into_iter().map(|c| Rect { width: c.width.max(1), height: c.height.max(1), ..c }).collect();
-    let narrowest = cells.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
+    let narrowest = layout::narrowest(&cells);
     let lowest = cells.iter().map(|cell| cell.height).min().unwrap_or(1);
     let all = rows
         .iter()

@@ -28,8 +28,7 @@ pub fn card(
     painter.rect_filled(frame, egui::CornerRadius { nw: 7, ne: 7, sw: 0, se: 0 }, palette.stage);
     match picture {
         Some(picture) => {
-            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            painter.image(picture.id(), frame, whole, egui::Color32::WHITE);
+            painter.image(picture.id(), frame, theme::WHOLE_IMAGE, egui::Color32::WHITE);
         }
         None => {
             let font = egui::FontId::proportional(30.0);

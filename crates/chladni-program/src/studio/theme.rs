@@ -10,6 +10,8 @@ pub const GAP: f32 = 8.0;
 pub const GAP_LARGE: f32 = 16.0;
 /// Width of a panel of controls.
 pub const PANEL_WIDTH: f32 = 308.0;
+/// All of an image, in its own coordinates.
+pub const WHOLE_IMAGE: egui::Rect = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
 
 /// The colors that egui has no name for.
 #[derive(Clone, Copy, Debug)]

@@ -10,6 +10,7 @@ use egui::{EventFilter, Key, Modifiers, Role};
 use super::effort::{Effort, Quality};
 use super::keys::view as keys;
 use super::screen::{Screen, Shown};
+use super::theme;
 use crate::work::Scenery;
 
 /// The key under which egui remembers that a view was drawn.
@@ -212,8 +213,7 @@ impl Viewport {
     /// Shows the picture that was drawn last.
     pub fn paint(&self, ui: &egui::Ui, rect: egui::Rect) {
         if let Some(texture) = self.drawn_texture() {
-            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            ui.painter().image(texture, rect, whole, egui::Color32::WHITE);
+            ui.painter().image(texture, rect, theme::WHOLE_IMAGE, egui::Color32::WHITE);
         }
     }
 

@@ -215,7 +215,7 @@ impl Staging {
             self.room = (limit, extremes(&self.dancer.room(&self.rest, limit)));
         }
         let (viewports, columns) = Self::cells(area, items);
-        let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
+        let aspect = layout::narrowest(&viewports);
         let camera = match framing {
             Some(framing) => self.chosen(aspect, viewpoint, framing, reaction),
             None => self.usual(aspect, viewpoint, instrument.parameters(), reaction),

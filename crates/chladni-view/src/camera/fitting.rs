@@ -38,25 +38,15 @@ impl Camera {
         }
         let eye: [f32; 2] = std::array::from_fn(|i| 0.5 * (high[i] - low[i]));
         let middle = 0.5 * (near + far);
+        let needed = (0.5 * (high[0] + low[0]) / tan_x).max(0.5 * (high[1] + low[1]) / tan_y);
         let distance = match self.projection {
-            Projection::Perspective => {
-                let eye_z = (0.5 * (high[0] + low[0]) / tan_x).max(0.5 * (high[1] + low[1]) / tan_y);
-                eye_z - middle
-            }
-            Projection::Orthographic => {
-                (0.5 * (high[0] + low[0]) / tan_x).max(0.5 * (high[1] + low[1]) / tan_y)
-            }
+            Projection::Perspective => needed - middle,
+            Projection::Orthographic => needed,
         };
-        let target = right * eye[0] + up * eye[1] + back * middle;
-        let reach = points
-            .into_iter()
-            .map(Vec3::from)
-            .filter(|p| p.is_finite())
-            .fold(0.0_f32, |reach, p| reach.max(p.distance(target)));
-        self.reach = reach.max(1e-6);
+        self.target = (right * eye[0] + up * eye[1] + back * middle).to_array();
+        self.reach_all(points);
         // A shape that is much deeper than wide stays in front of the eye.
         self.distance = distance.max(near - middle + self.reach * 0.1);
-        self.target = target.to_array();
     }
 
     /// Sets the depth range to reach all `points`, wherever the camera stands.
@@ -146,11 +136,7 @@ impl Camera {
                 ring.push((flat + up * height + (x * cos + y * sin) * r).to_array());
             }
         }
-        self.fit(ring.iter().copied(), aspect, fill);
-        // The axis of the turntable runs through the middle of the frame.
-        let target = Vec3::from(self.target);
-        self.target = (center + up * (target - center).dot(up)).to_array();
-        self.hold(ring, aspect, fill);
+        self.fit_around(center, ring.iter().copied(), aspect, fill);
     }
 
     /// As [`fit_turntable`](Self::fit_turntable), but only for turns of up to `swing_rad` to either side: a
@@ -182,10 +168,21 @@ impl Camera {
                 [(level + flat).to_array(), (level - flat).to_array()]
             })
         });
-        self.fit(turned.clone(), aspect, fill);
-        let target = Vec3::from(self.target);
+        self.fit_around(center, turned, aspect, fill);
+    }
+
+    /// Fits `points` with a turntable's axis, which runs through `center`, in the middle of the frame.
+    fn fit_around(
+        &mut self,
+        center: Vec3,
+        points: impl IntoIterator<Item = [f32; 3]> + Clone,
+        aspect: f32,
+        fill: f32,
+    ) {
+        self.fit(points.clone(), aspect, fill);
+        let (target, up) = (Vec3::from(self.target), self.up());
         self.target = (center + up * (target - center).dot(up)).to_array();
-        self.hold(turned, aspect, fill);
+        self.hold(points, aspect, fill);
     }
 }
 

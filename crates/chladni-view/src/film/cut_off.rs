@@ -132,10 +132,9 @@ impl CutOff {
         if !ffmpeg_is_there() {
             return Err(ViewError::NoFfmpeg);
         }
-        let failed = |source| ViewError::File { path: self.folder.clone(), source };
         let film = self.free_name();
         join((&self.folder.join(PICTURE), &self.folder.join(SOUND), self.sound_hz), None, &film)?;
-        std::fs::remove_dir_all(&self.folder).map_err(failed)?;
+        std::fs::remove_dir_all(&self.folder).map_err(ViewError::at(&self.folder))?;
         Ok(film)
     }
 

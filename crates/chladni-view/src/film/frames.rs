@@ -20,14 +20,14 @@ impl Apng {
         let frames = u32::try_from(settings.frames)
             .map_err(|_| ViewError::Film(format!("an animated PNG of {} frames", settings.frames)))?;
         let file = beside(path)?;
-        let handle = file.reopen().map_err(|source| ViewError::File { path: path.to_owned(), source })?;
+        let handle = file.reopen().map_err(ViewError::at(path))?;
         let mut encoder = png::Encoder::new(BufWriter::new(handle), settings.width, settings.height);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        encoder.set_animated(frames, 0).map_err(failed)?;
-        encoder.set_frame_delay(numerator, denominator).map_err(failed)?;
-        let writer = encoder.write_header().map_err(failed)?;
+        encoder.set_animated(frames, 0).map_err(ViewError::image)?;
+        encoder.set_frame_delay(numerator, denominator).map_err(ViewError::image)?;
+        let writer = encoder.write_header().map_err(ViewError::image)?;
         Ok(Self { path: path.to_owned(), file, writer })
     }
 }
@@ -45,18 +45,14 @@ pub(super) fn delay(rate: FrameRate) -> Result<(u16, u16), ViewError> {
     })
 }
 
-fn failed(error: png::EncodingError) -> ViewError {
-    ViewError::Image(error.to_string())
-}
-
 impl Encode for Apng {
     fn frame(&mut self, picture: &Picture) -> Result<(), ViewError> {
-        self.writer.write_image_data(&picture.rgba).map_err(failed)
+        self.writer.write_image_data(&picture.rgba).map_err(ViewError::image)
     }
 
     fn finish(self: Box<Self>) -> Result<(), ViewError> {
         let Self { path, file, writer } = *self;
-        writer.finish().map_err(failed)?;
+        writer.finish().map_err(ViewError::image)?;
         persist(file, &path)
     }
 }
@@ -74,8 +70,7 @@ pub fn frame_path(folder: &Path, number: u64) -> PathBuf {
 
 impl Folder {
     pub(super) fn create(path: &Path, first: u64) -> Result<Self, ViewError> {
-        chladni_task::create_folder(path)
-            .map_err(|source| ViewError::File { path: path.to_owned(), source })?;
+        chladni_task::create_folder(path).map_err(ViewError::at(path))?;
         Ok(Self { path: path.to_owned(), next: first })
     }
 }
@@ -85,7 +80,7 @@ impl Encode for Folder {
         let path = frame_path(&self.path, self.next);
         self.next += 1;
         let png = picture.to_png()?;
-        chladni_task::write_atomic(&path, &png).map_err(|source| ViewError::File { path, source })
+        chladni_task::write_atomic(&path, &png).map_err(ViewError::at(&path))
     }
 
     fn finish(self: Box<Self>) -> Result<(), ViewError> {

@@ -21,7 +21,6 @@ pub(super) struct Gif {
     width: u16,
     height: u16,
     frames: u64,
-    seen: u64,
     /// Frames that wait for the palette.
     waiting: Vec<Picture>,
     writer: Option<Writer>,
@@ -36,10 +35,6 @@ struct Writer {
     written: u64,
 }
 
-fn failed(error: &dyn std::fmt::Display) -> ViewError {
-    ViewError::Image(error.to_string())
-}
-
 impl Gif {
     pub(super) fn create(path: &Path, settings: &FilmSettings) -> Result<Self, ViewError> {
         let rate = settings.rate;
@@ -51,7 +46,6 @@ impl Gif {
             width: settings.width as u16,
             height: settings.height as u16,
             frames: settings.frames,
-            seen: 0,
             waiting: Vec::new(),
             writer: None,
         })
@@ -75,7 +69,7 @@ impl Gif {
             // Where the clip has holes, each frame stands alone.
             frame.dispose = DisposalMethod::Background;
             frame.buffer = indices.into();
-            return writer.encoder.write_frame(&frame).map_err(|e| failed(&e));
+            return writer.encoder.write_frame(&frame).map_err(ViewError::image);
         }
         frame.dispose = DisposalMethod::Keep;
         let changed = changed_box(&indices, &writer.shown, usize::from(width));
@@ -93,17 +87,16 @@ impl Gif {
         }
         frame.buffer = buffer.into();
         writer.shown = indices;
-        writer.encoder.write_frame(&frame).map_err(|e| failed(&e))
+        writer.encoder.write_frame(&frame).map_err(ViewError::image)
     }
 
     /// Chooses the palette from the frames that wait, and writes them.
     fn settle(&mut self) -> Result<(), ViewError> {
         let palette = Palette::of(&self.waiting);
-        let handle =
-            self.file.reopen().map_err(|source| ViewError::File { path: self.path.clone(), source })?;
+        let handle = self.file.reopen().map_err(ViewError::at(&self.path))?;
         let mut encoder = Encoder::new(BufWriter::new(handle), self.width, self.height, &palette.bytes())
-            .map_err(|e| failed(&e))?;
-        encoder.set_repeat(Repeat::Infinite).map_err(|e| failed(&e))?;
+            .map_err(ViewError::image)?;
+        encoder.set_repeat(Repeat::Infinite).map_err(ViewError::image)?;
         self.writer = Some(Writer { encoder, palette, shown: Vec::new(), written: 0 });
         for picture in std::mem::take(&mut self.waiting) {
             self.write(&picture)?;
@@ -114,13 +107,13 @@ impl Gif {
 
 impl Encode for Gif {
     fn frame(&mut self, picture: &Picture) -> Result<(), ViewError> {
-        self.seen += 1;
         if self.writer.is_some() {
             return self.write(picture);
         }
         self.waiting.push(picture.clone());
         let kept: usize = self.waiting.iter().map(|picture| picture.rgba.len()).sum();
-        if kept >= KEPT_BACK || self.seen == self.frames { self.settle() } else { Ok(()) }
+        let are_all = self.waiting.len() as u64 == self.frames;
+        if kept >= KEPT_BACK || are_all { self.settle() } else { Ok(()) }
     }
 
     fn finish(mut self: Box<Self>) -> Result<(), ViewError> {
@@ -129,8 +122,8 @@ impl Encode for Gif {
         }
         let Self { path, file, writer, .. } = *self;
         if let Some(writer) = writer {
-            let buffered = writer.encoder.into_inner().map_err(|e| failed(&e))?;
-            buffered.into_inner().map_err(|e| failed(&e.error()))?;
+            let buffered = writer.encoder.into_inner().map_err(ViewError::image)?;
+            buffered.into_inner().map_err(|e| ViewError::image(e.error()))?;
         }
         persist(file, &path)
     }

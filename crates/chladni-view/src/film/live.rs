@@ -69,9 +69,8 @@ impl LiveFilm {
         if !ffmpeg_is_there() {
             return Err(ViewError::NoFfmpeg);
         }
-        let failed = |source| ViewError::File { path: path.to_owned(), source };
-        let folder = RecordingFolder::create(path, sound_hz).map_err(failed)?;
-        let sound = std::fs::File::create(folder.sound()).map_err(failed)?;
+        let folder = RecordingFolder::create(path, sound_hz).map_err(ViewError::at(path))?;
+        let sound = std::fs::File::create(folder.sound()).map_err(ViewError::at(path))?;
         let encoder = Mp4::create(&folder.picture(), &settings, Layout::Pieces)?;
         let place = folder.path().to_owned();
         let slots = Arc::default();
@@ -253,13 +252,9 @@ impl Writer {
     fn write_sound(&mut self, samples: &[f32]) -> Result<(), ViewError> {
         for sample in samples {
             let written = self.sound.write_all(&sample.to_le_bytes());
-            written.map_err(|source| self.unwritten(source))?;
+            written.map_err(ViewError::at(self.folder.film()))?;
         }
         Ok(())
-    }
-
-    fn unwritten(&self, source: std::io::Error) -> ViewError {
-        ViewError::File { path: self.folder.film().to_owned(), source }
     }
 
     /// Shows the last picture until `slot`.
@@ -272,7 +267,7 @@ impl Writer {
     }
 
     fn finish(mut self) -> Result<u64, ViewError> {
-        let flushed = self.sound.flush().map_err(|source| self.unwritten(source));
+        let flushed = self.sound.flush().map_err(ViewError::at(self.folder.film()));
         let Self { folder, encoder, rate, written, .. } = self;
         if let Err(why) = flushed.and_then(|()| Box::new(encoder).finish()) {
             folder.keep();

@@ -276,10 +276,10 @@ impl Film {
 /// A temporary file beside `path`, with its ending, that becomes `path` when it is complete.
 fn beside(path: &Path) -> Result<tempfile::NamedTempFile, ViewError> {
     let ending = path.extension().map(|e| format!(".{}", e.to_string_lossy())).unwrap_or_default();
-    temporary_beside(path, &ending).map_err(|source| ViewError::File { path: path.to_owned(), source })
+    temporary_beside(path, &ending).map_err(ViewError::at(path))
 }
 
 /// Flushes a complete temporary file and gives it its name.
 fn persist(file: tempfile::NamedTempFile, path: &Path) -> Result<(), ViewError> {
-    chladni_task::persist(file, path).map_err(|source| ViewError::File { path: path.to_owned(), source })
+    chladni_task::persist(file, path).map_err(ViewError::at(path))
 }

@@ -2,8 +2,8 @@
 
 use std::sync::mpsc::{Receiver, sync_channel};
 
-use super::bindings::smooth_layout;
-use super::screen::{DEPTH, begin};
+use super::bindings::{group, smooth_layout};
+use super::screen::{DEPTH, begin, view};
 use crate::{Gpu, Samples, ViewError};
 
 /// Color samples, depth, and the finished picture.
@@ -63,7 +63,6 @@ impl Canvas {
             })
         };
         let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let finished = texture(
             "picture",
             format,
@@ -131,12 +130,7 @@ impl Canvas {
 }
 
 fn rough(device: &wgpu::Device, color: &wgpu::TextureView) -> wgpu::BindGroup {
-    let resource = wgpu::BindingResource::TextureView(color);
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("rough picture"),
-        layout: &smooth_layout(device),
-        entries: &[wgpu::BindGroupEntry { binding: 0, resource }],
-    })
+    group(device, "rough picture", &smooth_layout(device), &[wgpu::BindingResource::TextureView(color)])
 }
 
 /// A buffer that one picture of a canvas comes back through.

@@ -3,9 +3,10 @@
 
 use wgpu::{Buffer, Texture, TextureFormat};
 
+use super::bindings::group;
 use super::lookup::{Lookup, ROW};
 use super::pipelines::Coat;
-use super::screen::{group, texture, view};
+use super::screen::{texture, view};
 use crate::{Cell, Figure, Paint, ViewError};
 
 /// The bind groups of a picture's figures.
@@ -160,11 +161,11 @@ impl Source {
     fn group(&self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         match self {
             Self::Storage(buffers) => {
-                group(device, layout, &buffers.each_ref().map(Buffer::as_entire_binding))
+                group(device, "corners", layout, &buffers.each_ref().map(Buffer::as_entire_binding))
             }
             Self::Textures(textures) => {
                 let views = textures.each_ref().map(view);
-                group(device, layout, &views.each_ref().map(wgpu::BindingResource::TextureView))
+                group(device, "corners", layout, &views.each_ref().map(wgpu::BindingResource::TextureView))
             }
         }
     }

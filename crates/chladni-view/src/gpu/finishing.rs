@@ -1,8 +1,8 @@
 //! The finish of a picture on a graphics device: its passes, and the textures between them.
 
-use super::bindings::{IMAGE, SAMPLER, layout};
+use super::bindings::{IMAGE, SAMPLER, group, layout, uniform};
 use super::canvas::Canvas;
-use super::screen::{self, Pipes, group, smooth_sampler, texture, view};
+use super::screen::{self, Pipes, smooth_sampler, texture, view};
 use crate::finish::{FinishUniform, step};
 use crate::{Finish, Gpu, ViewError};
 
@@ -127,12 +127,8 @@ impl Finishing {
 impl Pipelines {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         let fragment = wgpu::ShaderStages::FRAGMENT;
-        let uniform = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let bindings = [uniform, SAMPLER, IMAGE, IMAGE, IMAGE, IMAGE].map(|binding| (fragment, binding));
+        let bindings =
+            [uniform(false), SAMPLER, IMAGE, IMAGE, IMAGE, IMAGE].map(|binding| (fragment, binding));
         let groups = layout(device, "finish", &bindings);
         let module = device.create_shader_module(wgpu::include_wgsl!("finish.wgsl"));
         let pipes = Pipes::new(device, &module, &[Some(&groups)]);
@@ -153,7 +149,7 @@ impl Pipelines {
         let first = [uniform.as_entire_binding(), wgpu::BindingResource::Sampler(&self.sampler)];
         let images = images.map(wgpu::BindingResource::TextureView);
         let all: Vec<_> = first.into_iter().chain(images).collect();
-        group(device, &self.layout, &all)
+        group(device, "finish", &self.layout, &all)
     }
 
     fn pass(

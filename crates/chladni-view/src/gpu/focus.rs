@@ -2,10 +2,10 @@
 
 use wgpu::util::DeviceExt;
 
-use super::bindings::{IMAGE, SAMPLER, layout};
+use super::bindings::{IMAGE, SAMPLER, group, layout, uniform};
 use super::canvas::Canvas;
 use super::lookup::Lookup;
-use super::screen::{self, DEPTH, Pipes, group, smooth_sampler, texture, view};
+use super::screen::{self, DEPTH, Pipes, smooth_sampler, texture, view};
 use super::uniforms::Uniforms;
 use crate::focus::{Circle, Spread, step};
 use crate::{Cell, Finish, Gpu, Samples, ViewError};
@@ -119,7 +119,7 @@ impl Focusing {
             let first = [uniform.as_entire_binding(), wgpu::BindingResource::Sampler(&pipelines.sampler)];
             let all: Vec<_> =
                 first.into_iter().chain(images.map(wgpu::BindingResource::TextureView)).collect();
-            group(device, &pipelines.images, &all)
+            group(device, "spread", &pipelines.images, &all)
         };
         Self {
             size,
@@ -127,6 +127,7 @@ impl Focusing {
             cells: Uniforms::new(device, &pipelines.cell, "circles"),
             depths: group(
                 device,
+                "depths",
                 &pipelines.depth,
                 &[
                     wgpu::BindingResource::TextureView(&depth),
@@ -192,11 +193,6 @@ impl Focusing {
 impl Pipelines {
     pub(super) fn new(device: &wgpu::Device, samples: Samples) -> Self {
         let fragment = wgpu::ShaderStages::FRAGMENT;
-        let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset,
-            min_binding_size: None,
-        };
         let depths_are = Depths::on(device, samples);
         // As plain numbers, since GL loads no depths.
         let plain = wgpu::TextureSampleType::Float { filterable: false };

@@ -1,7 +1,8 @@
 //! The images that every pipeline reads: color maps, the skin, and the key light's shadow maps.
 
+use super::bindings;
 use super::memory::image;
-use super::screen::{DEPTH, depth_pass};
+use super::screen::{DEPTH, depth_pass, texture, view};
 use crate::uniforms::arrangement;
 use crate::{ColorMap, Gpu, Palette, Samples};
 
@@ -121,17 +122,9 @@ pub(crate) struct ShadowMaps {
 
 impl ShadowMaps {
     fn new(device: &wgpu::Device, size: u32, columns: u32, rows: u32) -> Self {
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("shadows"),
-            size: wgpu::Extent3d { width: size * columns, height: size * rows, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: DEPTH,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
-        Self { size, columns, rows, view: texture.create_view(&wgpu::TextureViewDescriptor::default()) }
+        let (sides, drawn) = ([size * columns, size * rows], wgpu::TextureUsages::RENDER_ATTACHMENT);
+        let view = view(&texture(device, "shadows", sides, DEPTH, (1, drawn)));
+        Self { size, columns, rows, view }
     }
 
     /// Upper left texel of the map with this index.
@@ -169,13 +162,7 @@ fn group(
         wgpu::BindingResource::TextureView(around),
         wgpu::BindingResource::Sampler(&common.around_sampler),
     ];
-    let entries: Vec<_> =
-        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("images"),
-        layout: &drawing.layouts.images,
-        entries: &entries,
-    })
+    bindings::group(&gpu.device, "images", &drawing.layouts.images, &resources)
 }
 
 /// All color maps, then all palettes, one a row.

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use wgpu::{BindGroupLayout, RenderPipeline, TextureFormat};
 
-use super::bindings::{IMAGE, SAMPLER, layout, smooth_layout};
+use super::bindings::{IMAGE, SAMPLER, layout, smooth_layout, uniform};
 use super::grains::GRAIN_BYTES;
 use super::lookup::Lookup;
 use super::screen::DEPTH;
@@ -123,14 +123,7 @@ impl Layouts {
     pub(crate) fn new(device: &wgpu::Device, lookup: Lookup) -> Self {
         use wgpu::ShaderStages;
         let both = ShaderStages::VERTEX_FRAGMENT;
-        let uniform = |label| {
-            let ty = wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Uniform,
-                has_dynamic_offset: true,
-                min_binding_size: None,
-            };
-            layout(device, label, &[(both, ty)])
-        };
+        let one_of_many = |label| layout(device, label, &[(both, uniform(true))]);
         let depth = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Depth,
             view_dimension: wgpu::TextureViewDimension::D2,
@@ -138,8 +131,8 @@ impl Layouts {
         };
         let fragment = ShaderStages::FRAGMENT;
         Self {
-            cell: uniform("cell"),
-            figure: uniform("figure"),
+            cell: one_of_many("cell"),
+            figure: one_of_many("figure"),
             images: layout(
                 device,
                 "images",

@@ -1,4 +1,4 @@
-//! Passes over a whole picture: textures, pipelines and bind groups of the finish, and of depths.
+//! Passes over a whole picture: textures and pipelines of the finish, and of depths.
 
 /// Depth of a canvas.
 pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -92,19 +92,6 @@ impl<'a> Pipes<'a> {
             cache: None,
         })
     }
-}
-
-/// Groups one resource after the other.
-pub(super) fn group(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    resources: &[wgpu::BindingResource<'_>],
-) -> wgpu::BindGroup {
-    let entries: Vec<_> = (0..)
-        .zip(resources)
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
-        .collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("finish"), layout, entries: &entries })
 }
 
 /// Begins a pass over whole targets, cleared to nothing.

@@ -1,7 +1,5 @@
 //! Many uniforms of one kind in one buffer.
 
-use std::sync::Arc;
-
 use bytemuck::Pod;
 
 /// Many values of one uniform, distinguished by their dynamic offset.
@@ -11,7 +9,7 @@ pub(super) struct Uniforms<T> {
     stride: usize,
     buffer: wgpu::Buffer,
     pub(super) group: wgpu::BindGroup,
-    kind: std::marker::PhantomData<Arc<T>>,
+    kind: std::marker::PhantomData<T>,
 }
 
 impl<T: Pod> Uniforms<T> {

@@ -72,7 +72,7 @@ pub(super) fn strokes(sight: &Sight<'_>, ink: &Ink) -> Vec<Stroke> {
     for (layer, from) in [(0, 1.0 - ink.hatching), (1, 1.0 - 0.5 * ink.hatching)] {
         let mut layer = Layer::new(&field, layer, from, sight.unit);
         layer.fill();
-        strokes.extend(layer.lines.iter().map(|line| layer.stroke(line, ink.pen_px(sight.cell), sight.unit)));
+        strokes.extend(layer.lines.iter().map(|line| layer.stroke(line, ink.pen_px(sight.cell))));
     }
     strokes
 }
@@ -325,13 +325,13 @@ impl<'a> Layer<'a> {
     }
 
     /// A line as wide as it is dark, up to about half the distance between lines.
-    fn stroke(&self, line: &Traced, pen: f64, unit: f64) -> Stroke {
+    fn stroke(&self, line: &Traced, pen: f64) -> Stroke {
         let last = line.len() - 1;
         let point = |(i, (at, dark)): (usize, &([f64; 2], f64))| {
             let shade = smooth_step((dark - self.from + 0.04) / (1.04 - self.from).max(1e-9));
             let end = i.min(last - i) as f64 * STEP / TAPER;
             let width = pen * (0.3 + 0.75 * shade) * (0.2 + 0.8 * smooth_step(end));
-            StrokePoint { at: *at, width: width.min(0.6 * APART * unit) }
+            StrokePoint { at: *at, width: width.min(0.6 * APART * self.unit) }
         };
         let points: Vec<StrokePoint> = line.iter().enumerate().map(point).collect();
         Stroke { mark: Mark::Hatching, points: simplified(&points) }

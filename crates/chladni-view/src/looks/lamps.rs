@@ -6,7 +6,6 @@ impl Look {
     /// Liquid metal that mirrors a studio of bright lines.
     pub const CHROME: Self = Self {
         material: Material { color: [232, 236, 244], roughness: 0.1, metal: 1.0, ..Material::BARE },
-        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.75, 0.72, 0.7]),
@@ -73,7 +72,6 @@ impl Look {
             edge: [255, 92, 84],
             ..Material::BARE
         },
-        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(ABOVE, [1.8, 1.35, 1.05]),
@@ -98,7 +96,6 @@ impl Look {
     /// Old film: one hard light, deep shadow, grain.
     pub const NOIR: Self = Self {
         material: Material { color: [176, 176, 176], roughness: 0.36, softness: 0.1, ..Material::BARE },
-        own_colors: false,
         lights: Lights {
             lights: [
                 lamp([-0.92, 0.5, 0.1], [1.9, 1.9, 1.9]),

@@ -58,9 +58,7 @@ impl Stage {
 
     /// Draws them.
     pub(super) fn draw_lineup(&mut self, mut lineup: Lineup) -> Result<(), Error> {
-        let area = self.area();
-        let (rows, columns) = layout::rows_and_columns(area.width, area.height, FIGURES, 0.8);
-        lineup.cells = layout::grid(area, rows, columns, 2, FIGURES);
+        lineup.cells = layout::arranged(self.area(), FIGURES, 0.8, 2);
         self.aim(&lineup.positions, lineup.cells.first().map_or(1.0, Rect::aspect));
         let placed = |(item, viewport): (usize, &Rect)| Placed {
             viewport: *viewport,

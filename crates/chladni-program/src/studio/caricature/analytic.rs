@@ -3,7 +3,7 @@
 
 use chladni_caricature::{GivenEllipsoid, LayerId, Property, Template, wavelengths};
 use chladni_match::Ellipsoid;
-use egui::{DragValue, RichText, Ui};
+use egui::{DragValue, Ui};
 
 use super::edits::Edits;
 use super::session::Session;
@@ -91,7 +91,7 @@ fn itself(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edit
             let waves = wavelengths(basis);
             if let Some(wave) = waves.get(basis.harmonics_below(k0)).filter(|wave| wave.is_finite()) {
                 let text = format!("What grows has waves of {:.0} % of its size and less", 100.0 * wave);
-                ui.label(RichText::new(text).color(theme::palette(ui).weak).small());
+                theme::weak(ui, text);
             }
         }
         _ => {}

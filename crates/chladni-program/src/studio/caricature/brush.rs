@@ -73,8 +73,7 @@ impl BrushTool {
                 ui.toggle_value(&mut self.smoothed, "Smoothed")
                     .on_hover_text("Show the region as it acts, after smoothing, instead of as painted");
             } else {
-                let hint = RichText::new("on the shape to confine the layer").color(theme::palette(ui).weak);
-                ui.label(hint.small());
+                theme::weak(ui, "on the shape to confine the layer");
             }
         });
         if !self.active {

@@ -236,7 +236,7 @@ fn amount(
 /// How much of the movement is kept; a click on it shows where it is held back.
 fn held_back(ui: &mut Ui, held: Held) -> Option<Wish> {
     let Held::Back { kept } = held else {
-        ui.label(RichText::new("Holding back…").color(theme::palette(ui).weak).small());
+        theme::weak(ui, "Holding back…");
         return None;
     };
     let text = format!("{:.0} % of the movement kept", 100.0 * kept);
@@ -261,7 +261,7 @@ fn folds(ui: &mut Ui, folds: usize) -> Option<Wish> {
 /// The same for parts that pass through each other.
 fn crossings(ui: &mut Ui, count: Option<crossings::Count>) -> Option<Wish> {
     let Some(crossings::Count { now, from_the_start, outdated }) = count else {
-        ui.label(RichText::new("Counting crossings…").color(theme::palette(ui).weak).small());
+        theme::weak(ui, "Counting crossings…");
         return None;
     };
     let text = match now {

@@ -202,19 +202,15 @@ impl CaricatureRoom {
                 })
             }
             (_, Err(error)) => return shared.notices.failed(error),
-            (What::Picture, Ok(shot)) => Job::start(label, &shared.ctx, move |task| {
+            (What::Picture | What::Drawing, Ok(shot)) => Job::start(label, &shared.ctx, move |task| {
                 spares_textures(&path)?;
-                let png = shot.picture(width, height).and_then(|picture| Ok(picture.to_png()?));
-                let png = png.map_err(|error| error.of(path.display()))?;
+                let bytes = match what {
+                    What::Drawing => shot.drawing(width, height).map(|drawing| drawing.to_svg().into_bytes()),
+                    _ => shot.picture(width, height).and_then(|picture| Ok(picture.to_png()?)),
+                };
+                let bytes = bytes.map_err(|error| error.of(path.display()))?;
                 task.check()?;
-                write_file(&path, &png)?;
-                Ok((path, None))
-            }),
-            (What::Drawing, Ok(shot)) => Job::start(label, &shared.ctx, move |task| {
-                spares_textures(&path)?;
-                let drawing = shot.drawing(width, height).map_err(|error| error.of(path.display()))?;
-                task.check()?;
-                write_file(&path, drawing.to_svg().as_bytes())?;
+                write_file(&path, &bytes)?;
                 Ok((path, None))
             }),
             (What::Mp4 | What::Gif, Ok(shot)) => {
@@ -415,12 +411,6 @@ fn sparing_textures(session: &Session) -> impl Fn(&Path) -> Result<(), Error> + 
     let (shape, subject) = (project.shape.clone(), session.subject.clone());
     let templates: Vec<Template> = project.layers().iter().map(|(_, layer)| layer.template.clone()).collect();
     move |path| check_textures(&[path], (&shape, subject.whole()), templates.iter())
-}
-
-/// A name for a file made from `path`, such as `igea-caricature.glb`.
-pub fn named_after(path: &Path, addition: &str, extension: &str) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-{addition}.{extension}"))
 }
 
 #[cfg(test)]

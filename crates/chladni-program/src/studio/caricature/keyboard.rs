@@ -48,11 +48,10 @@ impl CaricatureRoom {
             }
         }
         self.stale |= list_keys(&ctx, session, edits);
-        let selected = session.selected;
-        if let Some((id, layer)) = selected.and_then(|id| Some((id, session.project().layer(id)?)))
+        if let Some((id, layer)) = session.chosen()
             && RENAME.pressed(&ctx)
         {
-            self.layers.rename(id, layer);
+            self.layers.rename(id, &layer);
         }
         self.brush_keys(&ctx);
         self.look_keys(&ctx);

@@ -294,9 +294,8 @@ fn thumbnail(ui: &mut Ui, picture: Option<egui::TextureId>, acts: bool) {
     let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(THUMBNAIL), egui::Sense::hover());
     ui.painter().rect_filled(rect, 5.0, theme::palette(ui).stage);
     if let Some(picture) = picture {
-        let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
         let tint = if acts { egui::Color32::WHITE } else { egui::Color32::from_white_alpha(70) };
-        ui.painter().image(picture, rect, whole, tint);
+        ui.painter().image(picture, rect, theme::WHOLE_IMAGE, tint);
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use chladni_caricature::{Limbs, PaintEdit};
 use chladni_harmonics::Body;
 use chladni_mesh::{MirrorPlane, TriMesh};
-use egui::{Modifiers, RichText, Slider, Ui};
+use egui::{Modifiers, Slider, Ui};
 
 use super::stage::Press;
 use crate::studio::author_id::AuthorId;
@@ -48,7 +48,7 @@ impl LimbTool {
                 ui.add(Slider::new(&mut self.level, 0.0..=1.0).fixed_decimals(2));
             });
             let state = if self.searching { "Finding parts…" } else { "Click a part of the shape" };
-            ui.label(RichText::new(state).color(theme::palette(ui).weak).small());
+            theme::weak(ui, state);
         }
     }
 

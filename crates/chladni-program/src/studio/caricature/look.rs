@@ -21,7 +21,7 @@ pub enum Show {
 }
 
 /// How it looks; a choice of the user, not of the project.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Portrayal {
     /// The figures on the stage.
     pub show: Show,
@@ -37,20 +37,6 @@ pub struct Portrayal {
     pub material: usize,
     /// Index into [`Lights::PRESETS`].
     pub lights: usize,
-}
-
-impl Default for Portrayal {
-    fn default() -> Self {
-        Self {
-            show: Show::Result,
-            wire: false,
-            ghost: false,
-            ink: false,
-            pen: Pen::default(),
-            material: 0,
-            lights: 0,
-        }
-    }
 }
 
 impl Portrayal {

@@ -29,8 +29,7 @@ pub fn show(
     edits: &mut Edits,
     shared: &mut Shared<'_>,
 ) -> bool {
-    let Some((id, layer)) = session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone())))
-    else {
+    let Some((id, layer)) = session.chosen() else {
         theme::section(ui, "Template", |ui| first(ui, session.project(), edits, shared));
         return false;
     };

@@ -387,9 +387,7 @@ impl CaricatureRoom {
         });
         egui::Panel::right("controls").resizable(false).exact_size(theme::PANEL_WIDTH).show(ui, |ui| {
             egui::ScrollArea::vertical().show(ui, |ui| {
-                let Some((id, layer)) =
-                    session.selected.and_then(|id| Some((id, session.project().layer(id)?.clone())))
-                else {
+                let Some((id, layer)) = session.chosen() else {
                     ui.add_space(theme::GAP_SMALL);
                     let hint = "The controls of the selected layer appear here.";
                     ui.label(egui::RichText::new(hint).color(theme::palette(ui).weak));
@@ -431,7 +429,7 @@ fn as_far_as_it_goes(session: &mut Session, may_fold: f64, edits: &mut Edits, sh
     if let Err(why) = session.catch_up(&shared.ctx) {
         return shared.notices.failed(why);
     }
-    if let Some(layer) = session.selected.and_then(|id| session.project().layer(id))
+    if let Some((_, layer)) = session.chosen()
         && layer.effective_mu() == 0.0
     {
         let why =
@@ -450,9 +448,8 @@ fn toggle_picking(picking: &mut Option<Picking>, session: &mut Session, shared: 
         return;
     }
     // Landmarks are vertices of the file as it is now.
-    if let Some(layer) = session.selected.and_then(|id| session.project().layer(id)) {
-        let template = layer.template.clone();
-        matches::renew(session, &template, shared);
+    if let Some((_, layer)) = session.chosen() {
+        matches::renew(session, &layer.template, shared);
     }
     match Picking::begin(session, shared) {
         Some(Ok(begun)) => *picking = Some(begun),

@@ -42,16 +42,15 @@ pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect], color: 
         Show::Original => &["Original"],
     };
     for (cell, name) in cells.iter().zip(names) {
-        let cell = viewport::to_points(ui, rect, *cell);
-        let font = egui::TextStyle::Body.resolve(ui.style());
-        ui.painter().text(
-            cell.left_top() + egui::vec2(12.0, 10.0),
-            egui::Align2::LEFT_TOP,
-            name,
-            font,
-            color,
-        );
+        show_name(ui, viewport::to_points(ui, rect, *cell), name, color);
     }
+}
+
+/// Names the shape in a cell.
+pub fn show_name(ui: &Ui, cell: egui::Rect, name: &str, color: Color32) {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let at = cell.left_top() + egui::vec2(12.0, 10.0);
+    ui.painter().text(at, egui::Align2::LEFT_TOP, name, font, color);
 }
 
 /// A bar of the color map with round numbers beside it.

@@ -14,6 +14,13 @@ pub struct Offer {
     found: Option<Vec<Recovered>>,
 }
 
+/// The user's answer about the copies, each named by its index.
+enum Choice {
+    Recover(usize),
+    ThrowAway(usize),
+    Later,
+}
+
 impl Offer {
     /// Looks once, and asks as long as there is something; returns the project that the user wants to recover.
     pub fn show(&mut self, shared: &mut Shared<'_>) -> Option<Recovered> {
@@ -37,10 +44,10 @@ impl Offer {
                     theme::group(ui, &name, |ui| {
                         ui.horizontal(|ui| {
                             if theme::primary_button(ui, "Recover").author_id("recover").clicked() {
-                                answer = Some((index, true));
+                                answer = Some(Choice::Recover(index));
                             }
                             if ui.button("Throw away").clicked() {
-                                answer = Some((index, false));
+                                answer = Some(Choice::ThrowAway(index));
                             }
                         });
                     });
@@ -48,25 +55,24 @@ impl Offer {
             });
             ui.separator();
             if ui.button("Ask again next time").clicked() {
-                answer = Some((usize::MAX, false));
+                answer = Some(Choice::Later);
             }
         });
         if dismissed {
-            answer.get_or_insert((usize::MAX, false));
+            answer.get_or_insert(Choice::Later);
         }
-        match answer {
-            None => None,
-            Some((index, wanted)) if index < found.len() => {
+        match answer? {
+            Choice::Recover(index) => {
                 let recovered = found.remove(index);
-                if !wanted {
-                    recovered.discard();
-                    return None;
-                }
                 // The others are asked about the next time: one project is open at a time.
                 found.clear();
                 Some(recovered)
             }
-            Some(_) => {
+            Choice::ThrowAway(index) => {
+                found.remove(index).discard();
+                None
+            }
+            Choice::Later => {
                 found.clear();
                 None
             }

@@ -140,7 +140,7 @@ impl Shot {
 
     /// Width by height of its narrowest cell.
     fn narrowest(&self, width: u32, height: u32) -> f32 {
-        self.cells(width, height).iter().map(Rect::aspect).fold(f32::INFINITY, f32::min)
+        layout::narrowest(&self.cells(width, height))
     }
 
     /// Pixels of a picture for each point of the view.
@@ -150,8 +150,7 @@ impl Shot {
     }
 
     fn cells(&self, width: u32, height: u32) -> Vec<Rect> {
-        let (rows, columns) = layout::rows_and_columns(width, height, self.poses.len(), 0.8);
-        layout::grid(Rect::of_size(width, height), rows, columns, 0, self.poses.len())
+        layout::arranged(Rect::of_size(width, height), self.poses.len(), 0.8, 0)
     }
 
     fn draw(
@@ -180,7 +179,7 @@ mod tests {
     use chladni_mesh::surface::vec3::single;
     use chladni_view::{FrameRate, View};
 
-    fn shot() -> Option<Shot> {
+    fn shot() -> Shot {
         let device = Device::Processor;
         let mesh = chladni_mesh::samples::icosphere(2);
         let positions = single(&mesh.positions);
@@ -191,24 +190,12 @@ mod tests {
         let triangles = mesh.triangles.into();
         let (coat, look, background) = (Coat::Material, Portrayal::default(), Background::TRANSPARENT);
         let (moved, aspect, height) = (Vec::new(), 4.0 / 3.0, 60.0);
-        Some(Shot {
-            device,
-            topology,
-            triangles,
-            poses,
-            moved,
-            coat,
-            camera,
-            aspect,
-            height,
-            look,
-            background,
-        })
+        Shot { device, topology, triangles, poses, moved, coat, camera, aspect, height, look, background }
     }
 
     #[test]
     fn a_picture_has_any_size_and_nothing_behind_the_shape() {
-        let Some(shot) = shot() else { return };
+        let shot = shot();
         let picture = shot.picture(160, 120).unwrap();
         assert_eq!(picture.pixel(0, 0).unwrap()[3], 0);
         assert_eq!(picture.pixel(80, 60).unwrap()[3], 255);
@@ -217,7 +204,7 @@ mod tests {
 
     #[test]
     fn edges_are_as_wide_on_the_shape_in_a_picture_of_any_size() {
-        let Some(mut shot) = shot() else { return };
+        let mut shot = shot();
         shot.look.wire = true;
         for ([width, height], scale) in
             [([80, 60], 1.0), ([320, 240], 4.0), ([80, 240], 1.0), ([320, 60], 1.0)]
@@ -234,7 +221,7 @@ mod tests {
 
     #[test]
     fn a_picture_narrower_than_the_view_shows_as_much_from_side_to_side() {
-        let Some(mut shot) = shot() else { return };
+        let mut shot = shot();
         for (positions, _) in &mut shot.poses {
             positions.iter_mut().for_each(|p| p[0] *= 3.0);
         }
@@ -257,7 +244,7 @@ mod tests {
 
     #[test]
     fn a_turntable_is_a_film_and_a_cancelled_one_leaves_nothing() {
-        let Some(shot) = shot() else { return };
+        let shot = shot();
         let shot = Shot { background: Background::PAPER, ..shot };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("turn.gif");

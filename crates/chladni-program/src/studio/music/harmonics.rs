@@ -107,10 +107,8 @@ impl Harmonics {
             self.drawn = Some(self.prepare(viewport, first, shown)?);
         }
         let area = viewport::area(ui, rect);
-        let (rows, columns) = layout::rows_and_columns(area.width, area.height, shown, 1.0);
-        let cells = layout::grid(area, rows, columns, 6, shown);
-        let aspect = cells.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-        let fitted = self.fitted(camera, aspect);
+        let cells = layout::arranged(area, shown, 1.0, 6);
+        let fitted = self.fitted(camera, layout::narrowest(&cells));
         let Some(drawn) = &self.drawn else { return Ok(false) };
         let figures: Vec<Figure<'_>> = drawn
             .paints

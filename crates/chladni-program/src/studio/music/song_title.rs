@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use chladni_view::Picture;
-use egui::{Align2, Color32, FontId, Pos2, Rect, TextureHandle, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Pos2, Rect, TextureHandle, Ui, vec2};
 
 use super::listening::Listening;
+use crate::studio::theme;
 use crate::work::{COVER, Caption, GAP, TITLE, halo_offsets, halo_opacity, title_opacity};
 
 /// The song that is heard, and since when.
@@ -81,8 +82,8 @@ impl SongTitle {
             let pixels = cover.size_vec2();
             let shown = pixels * (COVER * size / pixels.max_elem().max(1.0));
             let place = Rect::from_min_max(at - vec2(0.0, shown.y), at + vec2(shown.x, 0.0));
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(cover.id(), place, whole, Color32::from_white_alpha((255.0 * opacity) as u8));
+            let tint = Color32::from_white_alpha((255.0 * opacity) as u8);
+            ui.painter().image(cover.id(), place, theme::WHOLE_IMAGE, tint);
             at.x += shown.x + GAP * size;
         }
         show_halo(ui, (at, Align2::LEFT_BOTTOM), &self.caption.text, size, opacity);

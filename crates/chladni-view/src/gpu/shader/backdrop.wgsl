@@ -36,7 +36,7 @@ fn pictured_fragment(in: Screen) -> @location(0) vec4f {
 
 @fragment
 fn backdrop_fragment(in: Screen) -> @location(0) vec4f {
-    let r = length(in.at * vec2f(1.0, 1.0) + vec2f(0.0, -0.1));
+    let r = length(in.at + vec2f(0.0, -0.1));
     let gradient = cell.background_corner.w;
     var away = select(smoothstep(0.1, 1.5, r), smoothstep(0.0, 1.1, r), gradient > 1.5);
     away = select(away, 0.5 + 0.5 * in.at.y, abs(gradient - 1.0) < 0.5);

@@ -3,7 +3,6 @@
 use chladni_view::Rect;
 use egui::{Color32, RichText, Ui};
 
-use crate::studio::theme;
 use crate::work::landmarks::Side;
 
 /// No more landmarks than this are numbered: a ray is cast for each in every frame, and they would cover each other.
@@ -32,12 +31,6 @@ pub(super) fn numbers(ui: &Ui, side: &Side, ends: &[(usize, u32)], area: egui::R
         painter.rect_filled(box_, 4.0, Color32::from_black_alpha(170));
         painter.galley(at - egui::vec2(0.0, text.size().y / 2.0), text, Color32::WHITE);
     }
-}
-
-pub(super) fn label(ui: &Ui, area: egui::Rect, name: &str) {
-    let font = egui::TextStyle::Body.resolve(ui.style());
-    let at = area.left_top() + egui::vec2(12.0, 10.0);
-    ui.painter().text(at, egui::Align2::LEFT_TOP, name, font, theme::palette(ui).weak);
 }
 
 /// The hint at the next step, at the foot of the view.

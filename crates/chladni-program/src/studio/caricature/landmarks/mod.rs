@@ -13,10 +13,10 @@ use egui::{Color32, PointerButton, Pos2, Ui};
 
 pub use list::show_list;
 
-use self::drawing::{cell_of, hint, label, numbers};
+use self::drawing::{cell_of, hint, numbers};
 use super::edits::Edits;
 use super::look::Portrayal;
-use super::overlay::{backdrop, mark_place};
+use super::overlay::{backdrop, mark_place, show_name};
 use super::session::Session;
 use crate::studio::author_id::AuthorId;
 use crate::studio::job::{self, Job};
@@ -65,8 +65,8 @@ type Dots = Vec<(usize, u32)>;
 impl Picking {
     /// Opens both shapes for the selected layer; `None` where its template is not a mesh.
     pub fn begin(session: &Session, shared: &Shared<'_>) -> Option<Result<Self, Error>> {
-        let layer = session.selected?;
-        let template = session.project().layer(layer)?.template.clone();
+        let (layer, chosen) = session.chosen()?;
+        let template = chosen.template.clone();
         if !template.is_mesh() {
             return None;
         }
@@ -99,9 +99,8 @@ impl Picking {
 
     /// Whether it still belongs to the selected layer.
     pub fn belongs_to(&self, session: &Session) -> bool {
-        let layer =
-            session.selected.filter(|id| *id == self.layer).and_then(|id| session.project().layer(id));
-        layer.is_some_and(|layer| layer.template == self.template) && self.renewals == session.renewals()
+        session.chosen().is_some_and(|(id, layer)| id == self.layer && layer.template == self.template)
+            && self.renewals == session.renewals()
     }
 
     /// Forgets half a pair; false where there was none.
@@ -351,7 +350,7 @@ impl Picking {
         drawn?;
         for ((((_, side), ends), area), name) in sides.iter().zip(&ends).zip(areas).zip(["Shape", "Template"])
         {
-            label(ui, area, name);
+            show_name(ui, area, name, theme::palette(ui).weak);
             if let Some(side) = side {
                 numbers(ui, side, ends, area, rect);
             }

@@ -130,7 +130,9 @@ mod tests {
             .unwrap();
         // What is not evaluated yet has no folds to show.
         let top = session.selected.unwrap();
-        assert!(session.is_behind() && session.folds_of(top).is_none() && session.selected_layer().is_none());
+        assert!(
+            session.is_behind() && session.folds_of(top).is_none() && session.selected_evaluation().is_none()
+        );
         session.catch_up(&ctx).unwrap();
         assert!(!session.is_behind() && session.folds_of(top).is_some());
         let mut at_once = Stack::new(Arc::clone(session.stack.body())).unwrap();

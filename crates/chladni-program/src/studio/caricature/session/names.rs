@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use chladni_caricature::ShapeSource;
 
-use super::super::export::named_after;
 use super::Session;
 
 impl Session {
@@ -15,7 +14,9 @@ impl Session {
 
     /// A name for a file made from this project, such as `igea-caricature.glb`.
     pub fn beside_named(&self, addition: &str, extension: &str) -> PathBuf {
-        named_after(&self.own_path(), addition, extension)
+        let path = self.own_path();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        path.with_file_name(format!("{stem}-{addition}.{extension}"))
     }
 
     fn own_path(&self) -> PathBuf {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use chladni_caricature::{EvaluatedLayer, LayerState, MatchRequest, Matched};
+use chladni_caricature::{EvaluatedLayer, Layer, LayerId, LayerState, MatchRequest, Matched};
 
 use super::Session;
 use crate::work::furthest_mu;
@@ -20,8 +20,14 @@ pub enum Held {
 }
 
 impl Session {
+    /// The layer that the panels edit, as the document has it.
+    pub fn chosen(&self) -> Option<(LayerId, Arc<Layer>)> {
+        let id = self.selected?;
+        Some((id, Arc::clone(self.project().layer(id)?)))
+    }
+
     /// The evaluation of the selected layer.
-    pub fn selected_layer(&self) -> Option<&EvaluatedLayer> {
+    pub fn selected_evaluation(&self) -> Option<&EvaluatedLayer> {
         let selected = self.selected?;
         self.shown.evaluation.layers.iter().find(|layer| layer.id == selected)
     }
@@ -29,8 +35,8 @@ impl Session {
     /// The μ with the strongest exaggeration before the selected layer folds more than this share of the
     /// triangles. What is shown must have [caught up](Self::catch_up).
     pub fn furthest_mu(&self, may_fold: f64) -> Option<f64> {
-        let layer = self.project().layer(self.selected?)?;
-        furthest_mu(self.selected_layer()?, layer, self.stack.surface(), may_fold)
+        let (_, layer) = self.chosen()?;
+        furthest_mu(self.selected_evaluation()?, &layer, self.stack.surface(), may_fold)
     }
 
     /// How far the selected layer is held back; `None` where its project does not keep triangles.
@@ -38,12 +44,12 @@ impl Session {
         if !self.project().keep_triangles {
             return None;
         }
-        let kept = self.selected_layer().and_then(|layer| layer.kept.as_ref());
+        let kept = self.selected_evaluation().and_then(|layer| layer.kept.as_ref());
         Some(kept.map_or(Held::Unknown, |kept| Held::Back { kept: kept.share }))
     }
 
     pub(super) fn selected_request(&self) -> Option<MatchRequest> {
-        MatchRequest::of(self.project().layer(self.selected?)?)
+        MatchRequest::of(&self.chosen()?.1)
     }
 
     /// The match of the selected layer.
@@ -53,7 +59,7 @@ impl Session {
 
     /// Why the selected layer cannot act.
     pub fn selected_failure(&self) -> Option<&str> {
-        match &self.selected_layer()?.state {
+        match &self.selected_evaluation()?.state {
             LayerState::Failed(why) => Some(why),
             _ => None,
         }

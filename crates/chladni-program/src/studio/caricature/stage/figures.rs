@@ -24,8 +24,7 @@ impl Stage {
     /// The figures that are shown and their cells on the canvas that fills `rect`.
     pub(super) fn arranged(&self, ui: &Ui, rect: egui::Rect, show: Show) -> (&'static [usize], Vec<Rect>) {
         let (figures, canvas) = (self.figures(show), viewport::area(ui, rect));
-        let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, figures.len(), 0.8);
-        (figures, layout::grid(canvas, rows, columns, 2, figures.len()))
+        (figures, layout::arranged(canvas, figures.len(), 0.8, 2))
     }
 
     /// The figures that are shown, from left to right.
@@ -37,11 +36,6 @@ impl Stage {
             Show::Result | Show::Models | Show::Template => &[RESULT],
             Show::Original => &[ORIGINAL],
         }
-    }
-
-    /// How far each vertex of a figure is exaggerated, for a pen that shows it.
-    pub(super) fn moved(&self, figure: usize, pen: Pen) -> Vec<f64> {
-        moved(&self.poses, figure, pen)
     }
 }
 

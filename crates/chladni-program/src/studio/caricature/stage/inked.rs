@@ -10,6 +10,7 @@ use egui::{ColorImage, TextureHandle, TextureOptions, Ui};
 use super::super::shot::Pose;
 use super::figures::moved;
 use crate::studio::job::Job;
+use crate::studio::theme;
 use crate::work::{Depth, Error, Inked, Pen};
 
 /// After this time without a change the shade is drawn, too.
@@ -27,7 +28,6 @@ pub struct InkedStage {
     shown: Option<(TextureHandle, Scene, Depth)>,
     /// Shapes that were made ready before, by figure.
     plates: Vec<(Pictured, Arc<Plate>)>,
-    made: Option<Making>,
 }
 
 /// A figure, and how often it had been changed.
@@ -106,8 +106,7 @@ impl InkedStage {
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(REST_SECS));
         }
         if let Some((texture, ..)) = &self.shown {
-            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            ui.painter().image(texture.id(), rect, whole, egui::Color32::WHITE);
+            ui.painter().image(texture.id(), rect, theme::WHOLE_IMAGE, egui::Color32::WHITE);
         }
         Ok(())
     }
@@ -123,12 +122,11 @@ impl InkedStage {
             }
             None => ui.ctx().load_texture("ink", image, TextureOptions::LINEAR),
         };
-        self.made = Some(scene.making());
         (self.shown, self.plates) = (Some((texture, scene, depth)), plates);
     }
 
     fn start(&mut self, ui: &Ui, scene: Scene, depth: Depth, poses: &[Pose], triangles: &Arc<[[u32; 3]]>) {
-        let as_made = self.made.as_ref() == Some(&scene.making());
+        let as_made = self.shown.as_ref().is_some_and(|(_, shown, _)| shown.making() == scene.making());
         let ready = scene.figures.iter().map(|(pictured, _)| {
             let known = self.plates.iter().find(|(known, _)| as_made && known == pictured);
             known.map_or_else(

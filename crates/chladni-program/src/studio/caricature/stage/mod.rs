@@ -122,7 +122,7 @@ impl Stage {
             colors: Vec::new(),
             own,
             own_look,
-            poses: vec![(positions.to_vec(), normals.clone()); FIGURES],
+            poses: vec![Pose::default(); FIGURES],
             changes: vec![0; FIGURES],
             shows_models: false,
             has_template: false,

@@ -1,10 +1,11 @@
 //! A small copy of the second window's picture, for those who look at the first.
 
-use egui::{Color32, Rect, Sense, Ui, pos2, vec2};
+use egui::{Color32, Rect, Sense, Ui, vec2};
 
 use super::Concert;
 use super::pane::Pane;
 use crate::studio::author_id::AuthorId;
+use crate::studio::theme;
 
 /// Points that it is high in the bar, and under the pointer.
 const HEIGHT: f32 = 30.0;
@@ -27,8 +28,7 @@ impl Concert {
 
     fn paint_stage(&self, ui: &Ui, pane: &Pane, rect: Rect) {
         let Some(texture) = pane.texture() else { return };
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter().image(texture, rect, whole, Color32::WHITE);
+        ui.painter().image(texture, rect, theme::WHOLE_IMAGE, Color32::WHITE);
         pane.lay_veil(ui, rect);
         self.house.darken(ui, rect);
     }
