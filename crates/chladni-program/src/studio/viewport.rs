@@ -138,7 +138,7 @@ impl Viewport {
         self.paint(ui, rect);
         if self.moved_secs.is_some() && self.effort.is_reduced() {
             let text = format!("Frames were late: {} while it moves", self.effort.quality());
-            let weak = super::theme::palette(ui).weak;
+            let weak = theme::palette(ui).weak;
             let at = rect.right_bottom() - egui::vec2(8.0, 6.0);
             let font = egui::FontId::proportional(11.0);
             ui.painter().text(at, egui::Align2::RIGHT_BOTTOM, text, font, weak);
