@@ -3,6 +3,7 @@
 use chladni_breeding::ChaCha8Rng;
 use rand::RngExt;
 
+use crate::symmetry::first_waving;
 use crate::{Mapping, direct_transfer};
 
 /// A gallery of mappings.
@@ -52,9 +53,10 @@ fn initial_mu(size: usize, rng: &mut ChaCha8Rng) -> Vec<f32> {
 /// to harmonics that they do not amplify.
 fn initial_mappings(size: usize, shape: &GalleryShape) -> Vec<Mapping> {
     let k = shape.eigenvalues.len().max(1);
+    let constant = first_waving(&shape.eigenvalues).clamp(1, k);
     let mut transfers = initial_transfers(size, shape);
     let mut amplifications: Vec<Vec<f32>> =
-        (0..size).map(|item| initial_amplification(size, item, k)).collect();
+        (0..size).map(|item| initial_amplification(size, item, k, constant)).collect();
     let targets = |t: &[f32]| t.iter().map(|t| (t * (k - 1) as f32).round() as usize).collect::<Vec<_>>();
     let driven: Vec<Vec<usize>> = transfers.iter().map(|t| targets(t)).collect();
     let feeds: Vec<Vec<usize>> = (amplifications.iter())
@@ -63,7 +65,7 @@ fn initial_mappings(size: usize, shape: &GalleryShape) -> Vec<Mapping> {
     let choice = pairs(&feeds);
     for (item, (a, &t)) in amplifications.iter_mut().zip(&choice).enumerate() {
         if feeds[item][t] == 0 {
-            reach_out(a, &driven[t]);
+            reach_out(a, &driven[t], constant);
         }
     }
     (amplifications.into_iter().zip(choice))
@@ -107,12 +109,13 @@ fn pairs(feeds: &[Vec<usize>]) -> Vec<usize> {
     choice
 }
 
-/// Extends an amplification that covers none of the `driven` harmonics to the nearest of them.
-fn reach_out(a: &mut [f32], driven: &[usize]) {
+/// Extends an amplification that covers none of the `driven` harmonics to the nearest of them that is not constant, as
+/// the first ones are.
+fn reach_out(a: &mut [f32], driven: &[usize], constant: usize) {
     let Some(first) = a.iter().position(|a| *a != 0.0) else { return };
     let last = a.iter().rposition(|a| *a != 0.0).unwrap_or(first);
     let away = |k: usize| first.saturating_sub(k).max(k.saturating_sub(last));
-    if let Some(nearest) = driven.iter().copied().filter(|&k| k > 0).min_by_key(|&k| away(k)) {
+    if let Some(nearest) = driven.iter().copied().filter(|&k| k >= constant).min_by_key(|&k| away(k)) {
         let sign = a[first];
         a[first.min(nearest)..=last.max(nearest)].fill(sign);
     }
@@ -132,22 +135,24 @@ fn initial_transfers(size: usize, shape: &GalleryShape) -> Vec<Vec<f32>> {
 
 /// Band b covers k/K in [(2b/S)², (2(b+1)/S)²); the first ⌊S/2⌋ items amplify, the rest damp.
 /// A band too narrow for any harmonic that moves the shape takes the next one up.
-fn initial_amplification(size: usize, item: usize, harmonics: usize) -> Vec<f32> {
+/// The first `constant` harmonics, one for each piece of the shape, move nothing: they count as one, the last.
+fn initial_amplification(size: usize, item: usize, harmonics: usize, constant: usize) -> Vec<f32> {
     let half = size / 2;
     let (band, sign) = if item < half { (item, 1.0) } else { (item - half, -1.0) };
     let edge = |b: usize| (2.0 * b as f64 / size as f64).powi(2);
-    let mut a: Vec<f32> = (0..harmonics)
+    let spare = constant - 1;
+    let count = harmonics - spare;
+    let mut a: Vec<f32> = (0..count)
         .map(|k| {
-            let at = k as f64 / harmonics as f64;
+            let at = k as f64 / count as f64;
             if at >= edge(band) && at < edge(band + 1) { sign } else { 0.0 }
         })
         .collect();
     if a.iter().skip(1).all(|a| *a == 0.0) {
-        let next =
-            ((edge(band) * harmonics as f64).ceil() as usize).clamp(1.min(harmonics - 1), harmonics - 1);
+        let next = ((edge(band) * count as f64).ceil() as usize).clamp(1.min(count - 1), count - 1);
         a[next] = sign;
     }
-    a
+    std::iter::repeat_n(0.0, spare).chain(a).collect()
 }
 
 #[cfg(test)]
@@ -166,7 +171,7 @@ mod tests {
             for sign in [1.0, -1.0] {
                 let items = if sign > 0.0 { 0..size / 2 } else { size / 2..size };
                 let sum = items.fold(vec![0.0f32; 1000], |mut sum, item| {
-                    sum.iter_mut().zip(initial_amplification(size, item, 1000)).for_each(|(s, a)| *s += a);
+                    sum.iter_mut().zip(initial_amplification(size, item, 1000, 1)).for_each(|(s, a)| *s += a);
                     sum
                 });
                 // With odd S the amplifying half ends at ((S−1)/S)².
@@ -190,11 +195,29 @@ mod tests {
                 assert_eq!(items.iter().filter(|other| other.transfer == item.transfer).count(), 1);
                 assert!(transfers.contains(&item.transfer), "S = {size}");
                 assert!(item.loudness() > 0.0, "S = {size}, item {i}");
-                reached += usize::from(item.amplification != initial_amplification(size, i, 256));
+                reached += usize::from(item.amplification != initial_amplification(size, i, 256, 1));
             }
             // Three, four of t_rev stay in the highest band, which has two amplifications.
             assert!(reached <= size / 8, "S = {size}: {reached}");
         }
+    }
+
+    #[test]
+    fn a_shape_of_many_pieces_gets_the_gallery_of_its_waves() {
+        let (one, spare) = (shape(), 49);
+        let eigenvalues = std::iter::repeat_n(0.0, spare).chain(one.eigenvalues.iter().copied()).collect();
+        let many = GalleryShape { eigenvalues, ..one };
+        for size in GALLERY_SIZES {
+            for (alone, apart) in initial_mappings(size, &one).iter().zip(&initial_mappings(size, &many)) {
+                assert_eq!(apart.amplification[..spare], vec![0.0; spare]);
+                assert_eq!(apart.amplification[spare..], alone.amplification);
+                let shifted = alone.targets(128, 256).iter().map(|k| k + spare as u32).collect::<Vec<_>>();
+                assert_eq!((apart.targets(128, 256 + spare), apart.gain), (shifted, alone.gain));
+            }
+        }
+        // All are constant: there is a gallery, although it moves nothing.
+        let still = GalleryShape { eigenvalues: vec![0.0; 8], bands: 128 };
+        initial_mappings(12, &still).iter().for_each(|mapping| mapping.validate().unwrap());
     }
 
     #[test]

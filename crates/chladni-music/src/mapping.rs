@@ -172,11 +172,13 @@ fn resample(values: &[f32], count: usize) -> Vec<f32> {
 ///
 /// Band b of `bands` stands at ω/ω_max = (b+1)/bands, so that the last one reaches λ_max.
 /// Only harmonics with λ_k > 0 count: a constant harmonic cannot move the shape in the filter
-/// form, and α = 0 would otherwise send all sound there. `reversed` gives t_rev = K − 1 − t_ini.
+/// form, and α = 0 would otherwise send all sound there. `reversed` gives t_rev = K − 1 − t_ini, counted from the last
+/// of the constant harmonics, of which a shape has one for each of its pieces.
 pub fn direct_transfer(eigenvalues: &[f64], bands: usize, alpha: f64, reversed: bool) -> Vec<f32> {
     let Some(&largest) = eigenvalues.last() else { return vec![0.0; bands] };
     let top = (eigenvalues.len() - 1).max(1) as f64;
     let first = first_waving(eigenvalues).min(eigenvalues.len() - 1);
+    let spare = first.saturating_sub(1) as f64;
     (0..bands)
         .map(|b| {
             let omega = alpha * (b + 1) as f64 / bands as f64;
@@ -184,7 +186,7 @@ pub fn direct_transfer(eigenvalues: &[f64], bands: usize, alpha: f64, reversed: 
             let k = eigenvalues
                 .partition_point(|&l| l < omega * omega * largest)
                 .clamp(first, eigenvalues.len() - 1) as f64;
-            (if reversed { top - k } else { k } / top) as f32
+            (if reversed { top - k + spare } else { k } / top) as f32
         })
         .collect()
 }
@@ -207,6 +209,10 @@ mod tests {
         assert!(t.iter().zip(&reversed).all(|(t, r)| (t + r - 1.0).abs() < 1e-6));
         let constant = direct_transfer(&eigenvalues, 8, 0.0, false);
         assert!(constant.iter().all(|t| (t * 5.0).round() == 1.0));
+        // Of three pieces, the third constant is the lowest that the reversed one drives.
+        let pieces = direct_transfer(&[0.0, 0.0, 0.0, 1.0, 4.0, 9.0], 8, 1.0, true);
+        let lowest = pieces.iter().map(|t| (t * 5.0).round() as usize).min();
+        assert_eq!(lowest, Some(2));
     }
 
     #[test]

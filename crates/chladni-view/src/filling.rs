@@ -34,14 +34,16 @@ pub struct Filling {
     around: Vec<[f32; PITCHES.len()]>,
 }
 
-/// How far the upper end of a shape rises above its place at rest, and how high the shape may then be.
+/// How far a moving shape reaches beyond its place at rest, and how large it may then be seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Headroom {
-    /// In the shape's units.
+    /// How far its upper end rises, in the shape's units.
     pub rises: f32,
+    /// How far its sides move outward, in the same units.
+    pub spreads: f32,
     /// [`WHOLE_HEIGHTS`], [`CROPPED_HEIGHTS`] or [`NEAR_HEIGHTS`].
     pub most_heights: f32,
-    /// How far from the middle its sides may be at rest, in halves of the picture.
+    /// How far from the middle its sides may then be, in halves of the picture.
     pub most_widths: f32,
 }
 
@@ -98,12 +100,13 @@ fn distance(camera: &Camera, points: &[[f32; 3]], aspect: f32, share: f32, room:
     let tan_y = (0.5 * camera.fov_y_rad).tan();
     let top = seen.iter().fold(0.0f32, |top, p| top.max(p.y));
     let near = near.max((top + room.rises) / (2.0 * tan_y * DEEPEST));
-    let (mut low, mut high) = (near, 6.0 * (near + reach + room.rises) / tan_y.min(tan_y * aspect));
+    let moves = room.rises.max(room.spreads);
+    let (mut low, mut high) = (near, 6.0 * (near + reach + moves) / tan_y.min(tan_y * aspect));
     for _ in 0..HALVINGS {
         let distance = (low * high).sqrt();
         let lift = lift(&seen, room.rises, distance, tan_y);
         if heights(&seen, room.rises, distance) > 2.0 * tan_y * room.most_heights
-            || width(&seen, distance) > tan_y * aspect * room.most_widths
+            || width(&seen, room.spreads, distance) > tan_y * aspect * room.most_widths
             || covered(&seen, distance, lift, tan_y, aspect) > share
         {
             low = distance;
@@ -123,9 +126,9 @@ fn heights(seen: &[Vec3], rises: f32, distance: f32) -> f32 {
     high - low
 }
 
-/// How far from the middle its sides are seen, at a distance of 1.
-fn width(seen: &[Vec3], distance: f32) -> f32 {
-    seen.iter().fold(0.0f32, |width, p| width.max(p.x.abs() / (distance - p.z)))
+/// How far from the middle its sides are seen, at a distance of 1, when they have moved outward.
+fn width(seen: &[Vec3], spreads: f32, distance: f32) -> f32 {
+    seen.iter().fold(0.0f32, |width, p| width.max((p.x.abs() + spreads) / (distance - p.z)))
 }
 
 /// How far the shape is lowered so that its upper end is seen when it has risen, in heights of the picture.
@@ -191,7 +194,7 @@ mod tests {
     }
 
     fn whole(rises: f32) -> Headroom {
-        Headroom { rises, most_heights: WHOLE_HEIGHTS, most_widths: f32::INFINITY }
+        Headroom { rises, spreads: 0.0, most_heights: WHOLE_HEIGHTS, most_widths: f32::INFINITY }
     }
 
     #[test]
@@ -215,7 +218,7 @@ mod tests {
     fn the_head_of_a_tall_figure_is_seen_and_the_eye_stays_outside() {
         let points = cuboid([0.3, 2.0, 0.3]);
         let seen_from = |most_heights: f32, target: [f32; 3], share: f32| {
-            let room = Headroom { rises: 0.4, most_heights, most_widths: f32::INFINITY };
+            let room = Headroom { most_heights, ..whole(0.4) };
             let filling = Filling::new(&points, Orientation::Y_UP, target, 1.7, share, room);
             let mut camera = Camera { target, distance: filling.from(0.0, 0.0), ..Camera::default() };
             camera.keep_below(points.iter().copied(), room.rises, TOP);
@@ -264,7 +267,7 @@ mod tests {
     #[test]
     fn a_figure_that_is_cropped_below_keeps_its_sides() {
         let most = |size: [f32; 3]| {
-            let room = Headroom { rises: 0.2, most_heights: CROPPED_HEIGHTS, most_widths: 0.8 };
+            let room = Headroom { most_heights: CROPPED_HEIGHTS, most_widths: 0.8, ..whole(0.2) };
             let points = cuboid(size);
             let distance = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.4, 0.9, room).from(0.0, 0.0);
             let edge = (0.5 * Camera::default().fov_y_rad).tan();
@@ -275,6 +278,20 @@ mod tests {
         let [wide, slim] = [most([2.0, 1.5, 0.4]), most([0.4, 2.0, 0.4])];
         assert!((0.7..0.81).contains(&wide[0]) && wide[1] < 1.0, "{wide:?}");
         assert!(slim[0] < 0.4 && slim[1] > 1.1, "{slim:?}");
+    }
+
+    #[test]
+    fn sides_that_move_outward_stay_in_a_narrow_picture() {
+        let points = cuboid([1.0, 1.0, 0.4]);
+        let most = |spreads: f32| {
+            let room = Headroom { spreads, most_widths: 0.9, ..whole(0.1) };
+            let distance = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 0.6, 0.9, room).from(0.0, 0.0);
+            let edge = 0.6 * (0.5 * Camera::default().fov_y_rad).tan();
+            points.iter().map(|p| (p[0].abs() + spreads) / (distance - p[2]) / edge).fold(0.0, f32::max)
+        };
+        for spreads in [0.0, 0.2, 0.6] {
+            assert!((0.87..0.905).contains(&most(spreads)), "{spreads}: {}", most(spreads));
+        }
     }
 
     #[test]

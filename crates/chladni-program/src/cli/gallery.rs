@@ -7,7 +7,7 @@ use chladni_caricature::{
     GALLERY_SIZE, Group, Layer, Portrait as Drawn, Sitter, Variant, VariantGallery, surprise,
 };
 use chladni_task::{Task, counted};
-use chladni_view::Camera;
+use chladni_view::{Camera, layout};
 
 use super::Terminal;
 use super::number::number;
@@ -107,14 +107,13 @@ impl GalleryOptions {
         for (number, (variant, drawn)) in (1..).zip(variants.iter().zip(&drawn)) {
             terminal.result(format_args!("{number:>2}  {}", described(sitter, variant, drawn)))?;
         }
-        let mut panels = drawn.into_iter().map(|drawn| Portrayed::of(drawn.positions));
-        let rows: Vec<Vec<Portrayed>> =
-            (0..GALLERY_SIZE / COLUMNS).map(|_| panels.by_ref().take(COLUMNS).collect()).collect();
+        let panels = drawn.into_iter().map(|drawn| Portrayed::of(drawn.positions)).collect();
+        let rows = in_rows(panels, size);
         // All in one material: only their forms are to be compared.
         let mut picture =
             sheet::draw(&terminal.device()?, &rows, &sitter.body().triangles, None, camera, size)?;
         for (number, (cell, _)) in (1..).zip(sheet::placed(&rows, camera, size)) {
-            let size_px = (cell.height as f32 / 9.0).max(12.0);
+            let size_px = (cell.width.min(cell.height) as f32 / NUMERALS).max(12.0);
             let [left, foot] = [cell.x as f32 + 0.3 * size_px, cell.y as f32 + size_px];
             let lettering = Lettering::new(&u32::to_string(&number), size_px);
             lettering.lay(&mut picture, [left as usize, foot as usize], [60, 60, 66], 1.0);
@@ -138,8 +137,17 @@ impl GalleryOptions {
     }
 }
 
-/// Cells beside each other.
-const COLUMNS: usize = 4;
+/// Width over height of the cells that the sheet is divided into, as nearly as it can be: that of most heads.
+const CELL_ASPECT: f32 = 0.9;
+/// A cell's shorter side is as long as this many numerals are high.
+const NUMERALS: f32 = 9.0;
+
+/// The panels in the rows that show them largest on a sheet of this size.
+fn in_rows(panels: Vec<Portrayed>, [width, height]: [u32; 2]) -> Vec<Vec<Portrayed>> {
+    let (rows, columns) = layout::rows_and_columns(width, height, panels.len(), CELL_ASPECT);
+    let mut panels = panels.into_iter();
+    (0..rows).map(|_| panels.by_ref().take(columns).collect()).collect()
+}
 
 fn described(sitter: &Sitter, variant: &Variant, drawn: &Drawn) -> String {
     let held = if drawn.kept < 0.995 {
@@ -162,6 +170,15 @@ mod tests {
     use chladni_mesh::samples::icosphere;
 
     use super::*;
+
+    #[test]
+    fn a_sheet_has_the_rows_that_suit_its_format() {
+        let rows = |size| {
+            let panels = (0..GALLERY_SIZE).map(|_| Portrayed::plain(&[])).collect();
+            in_rows(panels, size).iter().map(Vec::len).collect::<Vec<_>>()
+        };
+        assert_eq!([rows([1600, 900]), rows([900, 1600])], [vec![4; 3], vec![3; 4]]);
+    }
 
     #[test]
     fn a_gallery_that_is_canceled_writes_nothing() {

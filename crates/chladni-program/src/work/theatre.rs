@@ -24,6 +24,9 @@ mod wardrobe;
 
 /// How much of its cell the shape may fill where it is moved as far as the limit allows.
 const FILL: f32 = 0.96;
+/// The share of the limit for which a cell of a gallery has room: hardly any dance comes near the limit, and small figures
+/// are hard to compare.
+const GALLERY_ROOM: f32 = 0.5;
 /// The floor is this share of the farthest movement below the shape, which seldom goes through it then.
 const FLOOR_BELOW: f32 = 0.4;
 /// The gap between cells is the picture's shorter side divided by this.
@@ -114,7 +117,7 @@ pub struct Staging {
     reaches: [[f32; 2]; 3],
     /// Whether the body is a sheet.
     flat: bool,
-    /// The limit of displacement, and the points that have to fit into a cell for it.
+    /// The displacement for which a cell has room, and the points that have to fit into it for that.
     room: (f32, Vec<[f32; 3]>),
     /// Points of the surface, and from how far they fill a picture.
     surface: Vec<[f32; 3]>,
@@ -211,8 +214,9 @@ impl Staging {
         instrument: &Instrument,
     ) -> Staged {
         let limit = instrument.parameters().get(Parameter::Limit);
-        if self.room.0 != limit {
-            self.room = (limit, extremes(&self.dancer.room(&self.rest, limit)));
+        let room = if items > 1 { GALLERY_ROOM * limit } else { limit };
+        if self.room.0 != room {
+            self.room = (room, extremes(&self.dancer.room(&self.rest, room)));
         }
         let (viewports, columns) = Self::cells(area, items);
         let aspect = layout::narrowest(&viewports);
@@ -345,6 +349,7 @@ impl Staged {
 mod tests {
     use super::*;
     use chladni_mesh::surface::vec3::single;
+    use chladni_music::GalleryShape;
 
     /// Of a ball, which stands upright.
     fn staging() -> Staging {
@@ -381,6 +386,39 @@ mod tests {
         }
         assert_eq!(seen(0.6), at_once);
         assert!((near.distance / at_once.distance - 1.0).abs() < 2.0 * ASPECT_STEP);
+    }
+
+    #[test]
+    fn the_sides_of_a_moving_figure_stay_in_a_narrow_picture() {
+        let mut staging = staging();
+        let limit = Parameter::Limit.initial();
+        staging.room.0 = limit;
+        let still = Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 };
+        let picture = Rect::of_size(900, 1600);
+        let camera = staging.chosen(picture.aspect(), &Viewpoint::default(), &Framing::default(), still);
+        let outward = 0.5 * limit * staging.dancer.box_diagonal;
+        let side = |p: &[f32; 3]| {
+            let moved = [p[0] + outward * p[0].signum(), p[1], p[2]];
+            let ([x, _], _) = camera.project(moved, picture).unwrap();
+            (x / 450.0 - 1.0).abs()
+        };
+        let most = staging.rest.iter().map(side).fold(0.0, f32::max);
+        assert!((0.8..0.95).contains(&most), "{most}");
+    }
+
+    #[test]
+    fn figures_of_a_gallery_fill_more_of_their_cells_than_one_alone() {
+        let mut staging = staging();
+        let shape = GalleryShape { eigenvalues: (0..8).map(f64::from).collect(), bands: 8 };
+        let instrument = Instrument::new(1, 9, shape).unwrap();
+        let still = Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 };
+        let (picture, viewpoint) = (Rect::of_size(300, 300), Viewpoint::default());
+        let mut distance = |items| {
+            let staged = staging.set(picture, items, (&viewpoint, None), &Look::PLAIN, still, &instrument);
+            staged.camera.distance
+        };
+        let share = distance(9) / distance(1);
+        assert!((0.75..0.88).contains(&share), "{share}");
     }
 
     #[test]

@@ -12,12 +12,13 @@ use super::{axes, component, ends};
 const COVERS: [f32; 2] = [0.3, 0.43];
 /// A figure that covers less than this as a whole is slim: it may be cut off below until it covers as much.
 const SLIM_COVERS: f32 = 0.2;
-/// How far the sides of a figure that is seen as a whole are from the middle, in halves of the picture.
+/// How far from the middle the sides of a figure are when they have moved outward, in halves of the picture, whether
+/// all of it is seen or it is cut off below: the rest is air.
 const WHOLE_WIDTHS: f32 = 0.92;
-/// The same of one seen from near.
-const NEAR_WIDTHS: f32 = 1.5;
-/// How far the sides of a figure that is cut off below are from the middle, in halves of the picture: they move, too.
-const CROPPED_WIDTHS: f32 = 0.7;
+/// How far the sides of a figure that is seen from near are beyond the edges at rest, in halves of the picture.
+const NEAR_BEYOND: f32 = 0.5;
+/// In pictures narrower than this aspect it is less, in proportion: faces would be cut in half.
+const NEAR_ASPECT: f32 = 16.0 / 9.0;
 /// The part of a figure that is cut off, as a share of its height.
 const LOWER: f32 = 0.33;
 /// How far that part may reach to the sides, in comparison with the rest: a figure that stands on its widest part, as
@@ -25,6 +26,8 @@ const LOWER: f32 = 0.33;
 const LOWER_REACHES: f32 = 0.8;
 /// The share of the largest displacement by which a figure rises in loud music.
 const RISES: f32 = 0.9;
+/// The same by which its sides move outward: the loudest dances of a gallery grow by about half of that displacement.
+const SPREADS: f32 = 0.55;
 /// How far from the middle of the shape to the part that moves most a camera looks that comes near it.
 const PART: f32 = 0.4;
 
@@ -54,22 +57,27 @@ impl Filled {
         let middle: [f32; 3] =
             std::array::from_fn(|i| if low[i] <= high[i] { 0.5 * (low[i] + high[i]) } else { 0.0 });
         let part = std::array::from_fn(|i| middle[i] + PART * (dancer.liveliest[i] - middle[i]));
-        let rises = RISES * limit * dancer.box_diagonal;
-        let filling = |target, most_heights, most_widths, share| {
-            let room = Headroom { rises, most_heights, most_widths };
-            Filling::new(surface, stands, target, aspect, share, room)
+        let largest = limit * dancer.box_diagonal;
+        let rises = RISES * largest;
+        let moving = |most_heights| Headroom {
+            rises,
+            spreads: SPREADS * largest,
+            most_heights,
+            most_widths: WHOLE_WIDTHS,
         };
+        let close = Headroom { spreads: 0.0, most_widths: near_widths(aspect), ..moving(NEAR_HEIGHTS) };
+        let filling = |target, share, room| Filling::new(surface, stands, target, aspect, share, room);
         Self {
             aspect,
             limit,
             rises,
             ends: extremes(surface),
             middle,
-            whole: filling(middle, WHOLE_HEIGHTS, WHOLE_WIDTHS, COVERS[0]),
+            whole: filling(middle, COVERS[0], moving(WHOLE_HEIGHTS)),
             cropped: stands_on_a_narrow_part(surface, stands)
-                .then(|| filling(middle, CROPPED_HEIGHTS, CROPPED_WIDTHS, SLIM_COVERS)),
+                .then(|| filling(middle, SLIM_COVERS, moving(CROPPED_HEIGHTS))),
             part,
-            near: filling(part, NEAR_HEIGHTS, NEAR_WIDTHS, COVERS[1]),
+            near: filling(part, COVERS[1], close),
         }
     }
 
@@ -88,6 +96,11 @@ impl Filled {
         camera.keep_below(self.ends.iter().copied(), self.rises, TOP);
         camera
     }
+}
+
+/// How far from the middle the sides of a figure that is seen from near are at rest, in halves of the picture.
+fn near_widths(aspect: f32) -> f32 {
+    1.0 + NEAR_BEYOND * (aspect / NEAR_ASPECT).min(1.0)
 }
 
 /// Whether the lower part of a figure reaches less far to the sides than the rest.
@@ -112,6 +125,13 @@ mod tests {
     use super::*;
     use chladni_mesh::samples;
     use chladni_mesh::surface::vec3::single;
+
+    #[test]
+    fn a_close_up_cuts_off_less_at_the_sides_of_a_narrow_picture() {
+        let [narrow, square, wide, wider] = [9.0 / 16.0, 1.0, 16.0 / 9.0, 2.4].map(near_widths);
+        assert!(1.0 < narrow && narrow < 1.2 && narrow < square && square < wide, "{narrow} {square} {wide}");
+        assert_eq!((wide, wider), (1.5, 1.5));
+    }
 
     #[test]
     fn a_human_may_be_cut_off_at_the_knees_and_a_bell_may_not() {
