@@ -135,6 +135,18 @@ mod tests {
     }
 
     #[test]
+    fn lamps_show_the_form_of_looks_of_the_dark_where_it_is_loud() {
+        let loud = Mood { levels: [1.0; 2], ..Mood::default() };
+        for look in [Look::AURORA, Look::EMBER, Look::ABYSS, Look::NEON] {
+            let look = look.answering(&loud);
+            // As far as it goes: more would drown the light that has shadows.
+            let own = look.material.glow + look.answer.unwrap().glow;
+            let lamps = |c: usize| look.lights.lights.iter().map(|lamp| lamp.color[c]).sum::<f32>();
+            assert!(3.0 * own < (0..3).map(lamps).fold(0.0, f32::max), "{look:?}");
+        }
+    }
+
+    #[test]
     fn light_is_on_the_side_that_sounds_and_turns_with_the_shape() {
         let look = Look::AURORA.answering(&Mood { levels: [1.0, 0.0], ..Mood::default() });
         let sides = |look: &Look| [look.lights.exposure, look.background.strength];

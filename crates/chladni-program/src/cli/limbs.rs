@@ -8,7 +8,7 @@ use chladni_task::counted;
 use serde::Serialize;
 
 use super::Terminal;
-use super::part_output::{COLORS, Colored, PartOutput, draw};
+use super::part_output::{COLORS, Divided, PartOutput};
 use crate::work::{Error, Subject, body, twins_of};
 
 /// A trunk in the picture, linear light.
@@ -43,10 +43,10 @@ pub fn run(
         written.map_err(|error| Error::unwritten(path, error))?;
     }
     if let Some(path) = &wanted.render {
-        let colors = colors(&found, &twins);
-        let color = |v: &Option<u32>| part_of(v).and_then(|part| colors.get(part as usize).copied());
-        let colors = body.operator_vertex.iter().map(|v| color(v).unwrap_or([1.0; 4])).collect();
-        draw(path, Colored { name, mesh, colors }, terminal)?;
+        let part = body.operator_vertex.iter().map(|v| part_of(v).map(|part| part as usize)).collect();
+        let colors = colors(&found, &twins).into_iter().enumerate();
+        let marks = colors.map(|(part, color)| (part.to_string(), color)).collect();
+        wanted.draw(path, &Divided { name, mesh, part, marks }, terminal)?;
     }
     let parts = found.parts.iter().zip(twins).enumerate();
     let parts: Vec<Printed> = parts

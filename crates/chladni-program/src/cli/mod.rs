@@ -183,7 +183,7 @@ fn in_one_line(error: &clap::Error, arguments: &[OsString]) -> String {
 impl Command {
     /// Whether it has the options --up and --front.
     fn takes_stance(&self) -> bool {
-        matches!(self, Self::Caricature(_) | Self::Project(_) | Self::Dance(_))
+        matches!(self, Self::Caricature(_) | Self::Project(_) | Self::Dance(_) | Self::Parts(_))
     }
 
     fn run(self, terminal: &Terminal) -> Result<(), Error> {

@@ -1,16 +1,20 @@
-//! What becomes of the parts of a shape, named or not: files, a picture beside the bare shape, lines.
+//! The files that the parts of a shape become, named or not: arrays, and a picture from both sides.
 
+use std::f32::consts::PI;
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::HEAD_PARTS;
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::drawn_triangles;
 use chladni_mesh::surface::vec3::single;
-use chladni_view::{Camera, PictureRequest, PictureShape, Style, View, render_picture};
+use chladni_view::{
+    Camera, PickTree, PictureRequest, PictureShape, Rect, Renderer, Style, framing, render_placed,
+};
 
 use super::Terminal;
+use super::portrait::Portrait;
 use crate::work::outputs::{check_arrays, check_picture};
-use crate::work::{Error, Stance, write_file};
+use crate::work::{Error, Lettering, Watcher, write_file};
 
 /// What to make of the parts.
 #[derive(clap::Args)]
@@ -22,16 +26,61 @@ pub struct PartOutput {
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
-    /// Draw the shape with its parts.
+    /// Draw the shape from both sides, in the colors of its parts and with their names or numbers on them.
     #[arg(long, value_name = "P.png")]
     pub render: Option<PathBuf>,
+    #[command(flatten)]
+    portrait: Portrait,
 }
 
 impl PartOutput {
     /// Whether the files can be written, before work is done for them.
     pub fn check(&self) -> Result<(), Error> {
+        self.portrait.check()?;
         self.output.as_deref().map_or(Ok(()), check_arrays)?;
         self.render.as_deref().map_or(Ok(()), check_picture)
+    }
+
+    /// Draws a shape in the colors of its parts from both sides, with the text of each part on it where it is seen.
+    pub fn draw(&self, path: &Path, shape: &Divided<'_>, terminal: &Terminal) -> Result<(), Error> {
+        let Divided { name, mesh, part, marks } = shape;
+        let positions = single(&mesh.positions);
+        let triangles = drawn_triangles(mesh);
+        let color = |part: &Option<usize>| part.and_then(|part| marks.get(part));
+        let colors: Vec<[f32; 4]> =
+            part.iter().map(|part| color(part).map_or([1.0; 4], |(_, color)| *color)).collect();
+        let from = self.portrait.camera(name, mesh, None, None, terminal)?;
+        let [width, height] = self.portrait.size();
+        let placed = both_sides(from, &positions, Rect::of_size(width, height));
+        let drawn = PictureShape {
+            positions: &positions,
+            triangles: &triangles,
+            colors: Some(&colors),
+            ..PictureShape::default()
+        };
+        let request = PictureRequest { shapes: &[drawn; 2], width, height, from, style: Style::default() };
+        let mut picture = render_placed(&mut Renderer::new(terminal.device()?), &request, &placed)?;
+        let tree = PickTree::new(&positions, &triangles);
+        let samples = shape.samples(&positions, &triangles);
+        for (cell, camera) in placed {
+            let size_px = (cell.width.min(cell.height) as f32 / 30.0).max(12.0);
+            let eye = camera.eye().map(f64::from);
+            let pixel_if_seen = |p: [f32; 3]| {
+                let is_hidden = tree.blocks(eye, p.map(f64::from), &positions, &triangles);
+                camera.project(p, cell).filter(|_| !is_hidden).map(|(pixel, _)| pixel)
+            };
+            for ((text, _), samples) in marks.iter().zip(&samples) {
+                let Some([x, y]) = middle(samples, pixel_if_seen) else { continue };
+                let letters = Lettering::new(text, size_px);
+                let room = width as f32 - letters.width() as f32;
+                let left = (x - 0.5 * letters.width() as f32).min(room).max(0.0);
+                // Letters are some 0.7 of their size high.
+                letters.lay_with_halo(&mut picture, [left, y + 0.35 * size_px], size_px, 1.0);
+            }
+        }
+        let png = picture.to_png()?;
+        terminal.task().check()?;
+        write_file(path, &png)
     }
 
     /// Prints where the files are.
@@ -54,27 +103,94 @@ pub const COLORS: [[f32; 4]; HEAD_PARTS.len()] = [
     [0.36, 0.62, 0.66, 1.0],
 ];
 
-/// A shape with a color for each vertex.
-pub struct Colored<'a> {
+/// A shape and its parts.
+pub struct Divided<'a> {
     pub name: &'a str,
     pub mesh: &'a TriMesh,
-    /// Linear light.
-    pub colors: Vec<[f32; 4]>,
+    /// Where each vertex belongs; `None` where nowhere.
+    pub part: Vec<Option<usize>>,
+    /// For each part the text that is laid on it, and its color (linear light).
+    pub marks: Vec<(String, [f32; 4])>,
 }
 
-/// Draws it beside the bare shape.
-pub fn draw(
-    path: &Path,
-    Colored { name, mesh, colors }: Colored<'_>,
-    terminal: &Terminal,
-) -> Result<(), Error> {
-    let positions = single(&mesh.positions);
-    let triangles = drawn_triangles(mesh);
-    let plain = PictureShape { positions: &positions, triangles: &triangles, ..PictureShape::default() };
-    let shapes = [PictureShape { colors: Some(&colors), ..plain }, plain];
-    let stands = Stance::default().of(name, mesh, None, None, terminal)?;
-    let from = Camera::on(stands, View::ThreeQuarter);
-    let request = PictureRequest { shapes: &shapes, width: 1000, height: 600, from, style: Style::default() };
-    let png = render_picture(&terminal.device()?, &request).and_then(|picture| picture.to_png())?;
-    write_file(path, &png)
+/// Vertices of a part at most that are tried for its text: each is a search through the mesh.
+const TRIED: usize = 300;
+
+impl Divided<'_> {
+    /// Vertices of each part that are on the surface, spread over it.
+    fn samples(&self, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<Vec<[f32; 3]>> {
+        let mut is_used = vec![false; positions.len()];
+        for vertex in triangles.iter().flatten() {
+            if let Some(is_used) = is_used.get_mut(*vertex as usize) {
+                *is_used = true;
+            }
+        }
+        let mut samples = vec![Vec::new(); self.marks.len()];
+        for ((position, part), is_used) in positions.iter().zip(&self.part).zip(is_used) {
+            if let Some(samples) = part.filter(|_| is_used).and_then(|part| samples.get_mut(part)) {
+                samples.push(*position);
+            }
+        }
+        let thinned = |all: Vec<[f32; 3]>| {
+            let step = all.len().div_ceil(TRIED).max(1);
+            all.into_iter().step_by(step).collect()
+        };
+        samples.into_iter().map(thinned).collect()
+    }
+}
+
+/// The pixel of the vertex in the middle of those that are seen; `None` of a hidden part.
+fn middle(samples: &[[f32; 3]], pixel_if_seen: impl Fn([f32; 3]) -> Option<[f32; 2]>) -> Option<[f32; 2]> {
+    let seen: Vec<[f32; 2]> = samples.iter().filter_map(|p| pixel_if_seen(*p)).collect();
+    let mean = [0, 1].map(|axis| seen.iter().map(|at| at[axis]).sum::<f32>() / seen.len() as f32);
+    let far = |at: &[f32; 2]| (at[0] - mean[0]).hypot(at[1] - mean[1]);
+    seen.into_iter().min_by(|a, b| far(a).total_cmp(&far(b)))
+}
+
+/// Two cells for a shape: as `from` sees it, and from the opposite side, which shows all that is turned away there.
+fn both_sides(from: Camera, positions: &[[f32; 3]], area: Rect) -> Vec<(Rect, Camera)> {
+    let mut placed = framing::side_by_side(from, &[positions; 2], area, framing::FILL);
+    if let [_, (cell, camera)] = placed.as_mut_slice() {
+        camera.yaw_rad += PI;
+        camera.pitch_rad = -camera.pitch_rad;
+        camera.fit(positions.iter().copied(), cell.aspect(), framing::FILL);
+    }
+    placed
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_mesh::samples::icosphere;
+
+    use super::*;
+
+    #[test]
+    fn the_text_of_a_part_is_where_it_is_seen() {
+        let mesh = icosphere(3);
+        let part_at = |p: &[f64; 3]| match p {
+            [_, _, z] if *z < -0.7 => Some(2),
+            [x, ..] => Some(usize::from(*x > 0.0)),
+        };
+        let part = mesh.positions.iter().map(part_at).collect();
+        let marks = ["left", "right", "back"].map(|text| (text.to_owned(), [1.0; 4])).into();
+        let shape = Divided { name: "ball", mesh: &mesh, part, marks };
+        let (positions, triangles) = (single(&mesh.positions), drawn_triangles(&mesh));
+        let samples = shape.samples(&positions, &triangles);
+        let tree = PickTree::new(&positions, &triangles);
+        let placed = both_sides(Camera::default(), &positions, Rect::of_size(400, 200));
+        let middles = |(cell, camera): &(Rect, Camera)| {
+            let eye = camera.eye().map(f64::from);
+            let pixel = |p: [f32; 3]| {
+                let is_hidden = tree.blocks(eye, p.map(f64::from), &positions, &triangles);
+                camera.project(p, *cell).filter(|_| !is_hidden).map(|(pixel, _)| pixel)
+            };
+            samples.iter().map(|samples| middle(samples, pixel)).collect::<Vec<_>>()
+        };
+        let [front, back] = [0, 1].map(|side| middles(&placed[side]));
+        let across = |at: &Option<[f32; 2]>| at.map(|[x, _]| x);
+        assert!(across(&front[0]).is_some_and(|x| (30.0..90.0).contains(&x)), "{front:?}");
+        assert!(across(&front[1]).is_some_and(|x| (110.0..170.0).contains(&x)), "{front:?}");
+        assert_eq!(front[2], None);
+        assert!(back[2].is_some_and(|[x, y]| (x - 300.0).hypot(y - 100.0) < 15.0), "{back:?}");
+    }
 }

@@ -8,7 +8,7 @@ use chladni_mesh::{ShapeSource, TriMesh};
 use serde::Serialize;
 
 use super::number::number;
-use super::part_output::{COLORS, Colored, PartOutput, draw};
+use super::part_output::{COLORS, Divided, PartOutput};
 use super::resolution::ResolutionOptions;
 use super::{Terminal, limbs};
 use crate::work::outputs::check_no_texture;
@@ -46,7 +46,7 @@ struct Printed {
 impl Parts {
     /// Finds, writes and prints them.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        let PartOutput { output, json, render } = &self.output;
+        let PartOutput { output, json, render, .. } = &self.output;
         self.output.check()?;
         let shape = ShapeSource::named(&self.mesh);
         let subject = Subject::open_at(self.resolution.wanted(), &shape, terminal)?;
@@ -66,9 +66,9 @@ impl Parts {
             written.map_err(|error| Error::unwritten(path, error))?;
         }
         if let Some(path) = render {
-            let color = |part: &u8| COLORS.get(usize::from(*part)).copied().unwrap_or([1.0; 4]);
-            let colors = found.part.iter().map(color).collect();
-            draw(path, Colored { name: &name, mesh, colors }, terminal)?;
+            let part = found.part.iter().map(|part| Some(usize::from(*part))).collect();
+            let marks = HEAD_PARTS.iter().map(ToString::to_string).zip(COLORS).collect();
+            self.output.draw(path, &Divided { name: &name, mesh, part, marks }, terminal)?;
         }
         let parts: Vec<Printed> =
             HEAD_PARTS.iter().enumerate().map(|(i, name)| Printed::of(name, i, &found)).collect();

@@ -132,7 +132,7 @@ impl Watcher for Terminal {
 fn advised(warning: &Warning, takes_stance: bool) -> String {
     match warning {
         Warning::InDoubt { .. } if takes_stance => {
-            format!("{warning}: --up and --front, or a project, say otherwise")
+            format!("{warning}: --up and --front say otherwise")
         }
         _ => warning.to_string(),
     }

@@ -5,10 +5,7 @@ use std::sync::Arc;
 use chladni_view::Picture;
 
 use super::Lettering;
-use super::titles::{COVER, GAP, TITLE, halo_offsets, halo_opacity};
-
-/// How opaque letters get.
-const WHITE: f32 = 220.0 / 255.0;
+use super::titles::{COVER, GAP, TITLE};
 
 /// The caption of a song.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -51,11 +48,7 @@ impl Caption {
         let foot = (height as f32 - bottom - 0.2 * size).max(0.0).floor();
         let beside = if cover.width > 0 { cover.width as f32 + GAP * size } else { 0.0 };
         let place = [(left + beside).floor(), foot];
-        for offset in halo_offsets(size) {
-            let [x, y] = [0, 1].map(|axis| (place[axis] + offset[axis]).max(0.0).round() as usize);
-            letters.lay(picture, [x, y], [0; 3], halo_opacity(opacity));
-        }
-        letters.lay(picture, place.map(|length| length as usize), [255; 3], WHITE * opacity);
+        letters.lay_with_halo(picture, place, size, opacity);
         let top = (height as f32 - bottom) as u32;
         picture.blend(cover, left as u32, top.saturating_sub(cover.height), opacity);
     }

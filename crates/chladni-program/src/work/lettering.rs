@@ -5,6 +5,8 @@ use skrifa::instance::{LocationRef, Size};
 use skrifa::outline::{DrawSettings, OutlinePen};
 use skrifa::{FontRef, MetadataProvider};
 
+use super::titles::{halo_offsets, halo_opacity};
+
 /// The letters of the window.
 const FONT: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
 /// Rows in a row of pixels.
@@ -13,6 +15,8 @@ const FINER: usize = 4;
 const PIECES: u16 = 8;
 /// Longer lines would leave any picture.
 const LONGEST: usize = 300;
+/// How opaque white letters get.
+const WHITE: f32 = 220.0 / 255.0;
 
 /// A line of text, as how much of each pixel it covers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,6 +49,21 @@ impl Lettering {
         let width = pen.at[0].max(0.0).ceil() as usize;
         let height = ascent as usize + (-line.descent).max(0.0).ceil() as usize;
         Self { width, height, covered: filled(&pen.edges, width, height), ascent: ascent as usize }
+    }
+
+    /// How many pixels wide it is.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Draws it over a picture in white with a dark halo, which is read on any ground, in an opacity. Its letters are of
+    /// `size_px`, and it begins and stands at `place`.
+    pub fn lay_with_halo(&self, picture: &mut Picture, place: [f32; 2], size_px: f32, opacity: f32) {
+        for offset in halo_offsets(size_px) {
+            let [x, y] = [0, 1].map(|axis| (place[axis] + offset[axis]).max(0.0).round() as usize);
+            self.lay(picture, [x, y], [0; 3], halo_opacity(opacity));
+        }
+        self.lay(picture, place.map(|length| length as usize), [255; 3], WHITE * opacity);
     }
 
     /// Draws it over a picture in a color (sRGB) and an opacity, beginning at `left` and standing on row

@@ -26,7 +26,8 @@ fn a_part_of_a_head_is_a_region() {
 #[test]
 fn the_limbs_of_any_shape_are_its_parts_at_a_level() {
     let desk = Desk::new();
-    let printed = desk.ok("parts sample:octopus --level 0.3 --json -o parts.npz --render parts.png");
+    let drawn = "--render parts.png --size 320x200 --view 0,20";
+    let printed = desk.ok(&format!("parts sample:octopus --level 0.3 --json -o parts.npz {drawn}"));
     let parts: serde_json::Value = serde_json::from_str(&printed).unwrap();
     let parts = parts.as_array().unwrap();
     let arms: Vec<_> = parts.iter().filter(|part| !part["twin"].is_null()).collect();
@@ -34,7 +35,8 @@ fn the_limbs_of_any_shape_are_its_parts_at_a_level() {
     assert!(arms.iter().all(|arm| parts[arm["twin"].as_u64().unwrap() as usize]["twin"] == arm["part"]));
     let total: f64 = parts.iter().map(|part| part["share"].as_f64().unwrap()).sum();
     assert!((total - 1.0).abs() < 1e-9);
-    assert!(desk.path("parts.npz").exists() && desk.path("parts.png").exists());
+    let picture = std::fs::read(desk.path("parts.png")).unwrap();
+    assert_eq!(chladni_view::Picture::size_of(&picture).unwrap(), [320, 200]);
     assert!(desk.ok("parts shape.obj --level 0").contains("% of the surface"));
     assert!(desk.refused("parts shape.obj --level 2").contains("from 0 to 1"));
     let line = "caricature sample:octopus ellipsoid -k 64 --mu -1 -o arm.ply --limb";

@@ -51,7 +51,7 @@ impl Look {
             edge: [120, 24, 6],
             ..Material::BARE
         },
-        answer: answer(Palette::Ember, 0.1, 0.0, 0.8, 1.1),
+        answer: answer(Palette::Ember, 0.1, 0.0, 0.8, 0.6),
         own_colors: false,
         lights: Lights {
             lights: [
@@ -68,7 +68,7 @@ impl Look {
         background: halo([92, 30, 8], [9, 5, 5]),
         finish: Finish {
             bloom: 0.9,
-            bloom_from: 0.55,
+            bloom_from: 0.75,
             vignette: 0.4,
             trail_secs: 0.12,
             trail_growth: 0.12,
@@ -93,7 +93,7 @@ impl Look {
             edge: [40, 190, 220],
             ..Material::BARE
         },
-        answer: answer(Palette::Abyss, 0.15, 0.0, 0.6, 0.45),
+        answer: answer(Palette::Abyss, 0.15, 0.0, 0.6, 0.2),
         own_colors: false,
         lights: Lights {
             lights: [
@@ -111,7 +111,7 @@ impl Look {
             gradient: Gradient::Upright,
             ..Background::between([1, 5, 20], [6, 62, 92])
         },
-        finish: Finish { bloom: 1.0, bloom_from: 0.58, vignette: 0.45, ..Finish::NOTHING },
+        finish: Finish { bloom: 1.0, bloom_from: 0.75, vignette: 0.45, ..Finish::NOTHING },
         response: Response { glow: 0.12, sides: 0.15, ..Self::AURORA.response },
     };
 
