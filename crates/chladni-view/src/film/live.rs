@@ -139,8 +139,7 @@ impl LiveFilm {
 
     /// Takes the sound up to `at_secs`; a gap before it is silence, and what is too much is left out at its beginning.
     pub fn sound(&mut self, at_secs: f64, left: &[f32], right: &[f32]) {
-        let due = (at_secs.max(0.0) * f64::from(self.sound_hz)) as u64;
-        let late = (LATE_SECS * f64::from(self.sound_hz)) as u64;
+        let (due, late) = (self.due(at_secs), self.late());
         let frames = left.len().min(right.len());
         let with_all = self.sounded + frames as u64;
         let beyond = |surplus: u64| if surplus > late { surplus } else { 0 };
@@ -154,6 +153,21 @@ impl LiveFilm {
             let samples = pairs.flat_map(|(left, right)| [*left, *right]).collect();
             self.send_sound((frames - dropped) as u64, Message::Sound(samples));
         }
+    }
+
+    /// Whether so much sound is missing up to `at_secs` that silence takes its place now ([`sound`](Self::sound)).
+    pub fn lacks_sound(&self, at_secs: f64) -> bool {
+        self.due(at_secs).saturating_sub(self.sounded) > self.late()
+    }
+
+    /// How many frames of sound there are to be up to `at_secs`.
+    fn due(&self, at_secs: f64) -> u64 {
+        (at_secs.max(0.0) * f64::from(self.sound_hz)) as u64
+    }
+
+    /// By how many it may lag behind or run ahead.
+    fn late(&self) -> u64 {
+        (LATE_SECS * f64::from(self.sound_hz)) as u64
     }
 
     /// Sound that the queue does not take is silence in the film.

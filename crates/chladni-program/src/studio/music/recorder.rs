@@ -126,12 +126,20 @@ impl Recorder {
             // From before it began.
             return Ok(());
         }
-        let mut out = Vec::new();
-        if !heard.left.is_empty() {
-            // Sound of another rate ends before this one.
-            if let Some(mut other) = self.resampler.take_if(|known| known.from_hz() != heard.rate_hz) {
-                other.finish(&mut out)?;
+        let (at_secs, mut out) = (self.at_secs(now_secs), Vec::new());
+        // Sound ends before that of another rate, and where the film goes on in silence: what the resampler holds back comes
+        // before the pause.
+        let ends = |known: &mut StereoResampler| {
+            if heard.left.is_empty() {
+                self.film.lacks_sound(at_secs)
+            } else {
+                known.from_hz() != heard.rate_hz
             }
+        };
+        if let Some(mut last) = self.resampler.take_if(ends) {
+            last.finish(&mut out)?;
+        }
+        if !heard.left.is_empty() {
             let mut resampler = match self.resampler.take() {
                 Some(known) => known,
                 None => StereoResampler::new(heard.rate_hz, SOUND_HZ)?,
@@ -141,7 +149,7 @@ impl Recorder {
             resampler.process(&interleaved, &mut out)?;
             self.resampler = Some(resampler);
         }
-        self.pass_on(self.at_secs(now_secs), &out);
+        self.pass_on(at_secs, &out);
         Ok(())
     }
 
@@ -263,37 +271,52 @@ mod tests {
         assert_eq!(frames, 30);
     }
 
-    #[test]
-    fn sound_of_one_rate_ends_where_that_of_another_begins() {
-        if !chladni_view::film::ffmpeg_is_there() {
-            return println!("skipped: no ffmpeg");
-        }
+    /// How loud a film is at most between two times, in hundredths of a second. Each of its parts lasts half a second: a
+    /// tone, by its rate and level, or no sound at all.
+    fn loudest_in_film_of(parts: [Option<(u32, f32)>; 3]) -> impl Fn(usize, usize) -> f32 {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("set.mp4");
         let mut recorder = Recorder::begin(&path, [64, 48], 10.0).unwrap();
-        // Half a second each of a song, of silent live input, and of a silent song.
-        for frame in 0..=45 {
-            let (rate_hz, level) = match frame {
-                0..=15 => (44_100_u32, 0.5_f32),
-                16..=30 => (SOUND_HZ, 0.0),
-                _ => (44_100, 0.0),
-            };
-            let radians = std::f32::consts::TAU * 600.0 / rate_hz as f32;
-            let tone: Vec<f32> = (0..rate_hz / 30).map(|n| level * (radians * n as f32).sin()).collect();
+        for frame in 0..=45_usize {
             let mut heard = HeardSound::default();
-            (heard.rate_hz, heard.left, heard.right) = (rate_hz, tone.clone(), tone);
-            let now_secs = 15.0 + f64::from(frame) / 30.0;
+            if let Some((rate_hz, level)) = parts[frame.saturating_sub(1) / 15] {
+                let radians = std::f32::consts::TAU * 600.0 / rate_hz as f32;
+                let tone: Vec<f32> = (0..rate_hz / 30).map(|n| level * (radians * n as f32).sin()).collect();
+                (heard.rate_hz, heard.left, heard.right) = (rate_hz, tone.clone(), tone);
+            }
+            let now_secs = 15.0 + frame as f64 / 30.0;
             recorder.sound(now_secs, &heard).unwrap();
             recorder.picture(now_secs, Picture { width: 64, height: 48, rgba: vec![128; 4 * 64 * 48] });
         }
         recorder.finish(16.5);
         recorder.wait();
         let song = chladni_sound::Song::open(&path).unwrap();
-        let loudest = |from: usize, to: usize| {
+        move |from, to| {
             let part = &song.left[from * 480..to * 480];
             part.iter().fold(0.0_f32, |most, sample| most.max(sample.abs()))
-        };
+        }
+    }
+
+    #[test]
+    fn sound_of_one_rate_ends_where_that_of_another_begins() {
+        if !chladni_view::film::ffmpeg_is_there() {
+            return println!("skipped: no ffmpeg");
+        }
+        // A song, silent live input, and a silent song.
+        let parts = [Some((44_100, 0.5)), Some((SOUND_HZ, 0.0)), Some((44_100, 0.0))];
+        let loudest = loudest_in_film_of(parts);
         assert!(loudest(10, 40) > 0.4, "{}", loudest(10, 40));
         assert!(loudest(90, 140) < 0.01, "{}", loudest(90, 140));
+    }
+
+    #[test]
+    fn a_song_is_heard_to_its_end_before_a_pause_and_not_after_it() {
+        if !chladni_view::film::ffmpeg_is_there() {
+            return println!("skipped: no ffmpeg");
+        }
+        // A song, a pause, and silent live input.
+        let loudest = loudest_in_film_of([Some((44_100, 0.5)), None, Some((SOUND_HZ, 0.0))]);
+        assert!(loudest(47, 49) > 0.3, "{}", loudest(47, 49));
+        assert!(loudest(70, 140) < 0.01, "{}", loudest(70, 140));
     }
 }
