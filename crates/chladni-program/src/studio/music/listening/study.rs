@@ -57,35 +57,9 @@ impl Study {
         let ctx = ctx.clone();
         let thread = std::thread::spawn(move || {
             // Nobody listens any more where another song is studied.
-            let tell = |learned| drop(teller.send(learned));
-            let options = SongOptions::default();
-            let song = SongReader::open(&path).and_then(|mut reader| {
-                tell(Learned::Tags(reader.tags()));
-                if let Some(cover) = cover_of(&path, &mut reader) {
-                    let texture = upload(&ctx, "cover", &cover.picture);
-                    let picture = Arc::new(cover.picture);
-                    tell(Learned::Cover(SongCover { texture, picture, file: cover.file }));
-                }
-                Song::read(&mut reader, &options, &worker)
-            });
-            let song = match song {
-                Ok(song) => Arc::new(song),
-                Err(why @ SoundError::TooLong { .. }) => {
-                    return tell(Learned::Nothing(Some(why.to_string())));
-                }
-                Err(_) => return tell(Learned::Nothing(None)),
-            };
-            match KnownSong::new(Arc::clone(&song)) {
-                Ok(known) => tell(Learned::Song(known)),
-                Err(why) => return tell(Learned::Nothing(Some(why.to_string()))),
-            }
-            if !known {
-                match track_beats(&song, &worker) {
-                    Ok(beats) => tell(Learned::Beats(beats)),
-                    Err(why) => tell(Learned::Nothing(Some(why.to_string()))),
-                }
-            }
-            // A show names it by its hash: saving need not wait until it is read for that.
+            study(&path, known, &ctx, &worker, |learned| drop(teller.send(learned)));
+            // A show names the file by its hash, also one that cannot be studied: saving need not wait until it is read for
+            // that.
             if !worker.is_cancelled() {
                 known_hash(&path);
             }
@@ -113,11 +87,40 @@ impl Drop for Study {
     }
 }
 
+/// Reads the song at `path` and passes on what is learned; its beats are tracked where they are not `known` already.
+fn study(path: &Path, known: bool, ctx: &Context, task: &Task, tell: impl Fn(Learned)) {
+    let song = SongReader::open(path).and_then(|mut reader| {
+        tell(Learned::Tags(reader.tags()));
+        if let Some(cover) = cover_of(path, &mut reader) {
+            let texture = upload(ctx, "cover", &cover.picture);
+            let picture = Arc::new(cover.picture);
+            tell(Learned::Cover(SongCover { texture, picture, file: cover.file }));
+        }
+        Song::read(&mut reader, &SongOptions::default(), task)
+    });
+    let song = match song {
+        Ok(song) => Arc::new(song),
+        Err(why @ SoundError::TooLong { .. }) => return tell(Learned::Nothing(Some(why.to_string()))),
+        Err(_) => return tell(Learned::Nothing(None)),
+    };
+    match KnownSong::new(Arc::clone(&song)) {
+        Ok(known) => tell(Learned::Song(known)),
+        Err(why) => return tell(Learned::Nothing(Some(why.to_string()))),
+    }
+    if !known {
+        match track_beats(&song, task) {
+            Ok(beats) => tell(Learned::Beats(beats)),
+            Err(why) => tell(Learned::Nothing(Some(why.to_string()))),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use std::time::Instant;
+    use std::time::{Duration, Instant, SystemTime};
 
     use super::*;
+    use crate::work::file_hash;
 
     #[test]
     fn a_song_on_whose_study_a_thread_breaks_off_is_given_up_once() {
@@ -138,5 +141,28 @@ mod tests {
         assert!(matches!(next(), Learned::Tags(_)));
         assert!(matches!(next(), Learned::Nothing(Some(_))));
         assert!(study.learned().is_none());
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_studied_is_known_by_its_hash_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("song.wav");
+        let write = |content: &[u8]| {
+            std::fs::write(&path, content).unwrap();
+            let changed = SystemTime::UNIX_EPOCH + Duration::from_secs(1_000_000_000);
+            std::fs::File::options().write(true).open(&path).unwrap().set_modified(changed).unwrap();
+        };
+        write(b"no music at all");
+        let hash = file_hash(&path);
+        let mut study = Study::begin(0, &path, false, &Context::default());
+        let began = Instant::now();
+        while study.thread.is_some() {
+            assert!(began.elapsed() < chladni_testdata::HANGS);
+            study.learned();
+            std::thread::yield_now();
+        }
+        // Of the same length and time: it is not read again.
+        write(b"no music so far");
+        assert!(hash.is_some() && known_hash(&path) == hash);
     }
 }
