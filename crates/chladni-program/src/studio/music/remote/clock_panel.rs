@@ -82,7 +82,7 @@ impl Remote {
                 ui.selectable_value(&mut preferences.clock_out, Some(device), label);
             }
         });
-        if let Some(Err(why)) = &self.clock_out {
+        if let Some(Err((_, why))) = &self.clock_out {
             theme::warning(ui, why.to_string());
         }
     }

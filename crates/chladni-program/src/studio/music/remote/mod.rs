@@ -46,7 +46,8 @@ pub struct Remote {
     beats_to: Option<String>,
     /// That address as it is being typed.
     beats_typed: Option<String>,
-    clock_out: Option<Result<ClockSender, Error>>,
+    /// Sends MIDI clock, once it was started; or the device that was chosen when that failed, and why.
+    clock_out: Option<Result<ClockSender, (String, Error)>>,
 }
 
 /// Input since the last frame.
@@ -148,16 +149,20 @@ impl Remote {
         if let Some(Ok(out)) = &mut self.beat_out {
             out.tell(now, ctx);
         }
-        if preferences.clock_out.is_none() && matches!(self.clock_out, Some(Err(_))) {
+        let chosen = preferences.clock_out.as_ref();
+        if let Some(Err((device, _))) = &self.clock_out
+            && chosen != Some(device)
+        {
             // It is tried again for the next device that is chosen.
             self.clock_out = None;
         }
         if self.clock_out.is_none()
-            && preferences.clock_out.is_some()
+            && let Some(device) = chosen
             && let Some(Ok(midi)) = &self.midi
         {
             let sender = ClockSender::start(midi.outputs().clone());
-            self.clock_out = Some(sender.map_err(|why| Error::other(why).of("MIDI clock")));
+            let failed = |why| (device.clone(), Error::other(why).of("MIDI clock"));
+            self.clock_out = Some(sender.map_err(failed));
         }
         if let Some(Ok(out)) = &self.clock_out {
             out.tell(preferences.clock_out.as_deref(), now);
@@ -187,4 +192,33 @@ fn push(cues: &mut Vec<Cue>, cue: Cue) {
         cues.retain(|known| !matches!(known, Cue::Do(Action::Set { parameter, .. }) if *parameter == turned));
     }
     cues.push(cue);
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_music::Beat;
+
+    use super::*;
+    use crate::studio::music::listening::Progress;
+
+    #[test]
+    fn a_clock_that_could_not_be_sent_is_tried_again_for_another_device() {
+        let failed = Err(("drums".to_owned(), Error::other("no more threads")));
+        let mut remote = Remote { clock_out: Some(failed), ..Remote::default() };
+        let now = Now {
+            at_secs: 1.0,
+            beat: Beat { count: 8.0, confidence: 1.0 },
+            beat_at: Instant::now(),
+            tempo_bpm: 120.0,
+            progress: Progress::default(),
+            bands: &[],
+            ahead_secs: 0.0,
+        };
+        let mut tell = |device: &str| {
+            let preferences = Preferences { clock_out: Some(device.to_owned()), ..Preferences::default() };
+            remote.tell(&preferences, &now, &egui::Context::default());
+            remote.clock_out.is_some()
+        };
+        assert_eq!([tell("drums"), tell("synth")], [true, false]);
+    }
 }
