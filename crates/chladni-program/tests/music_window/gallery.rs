@@ -312,32 +312,6 @@ fn children_are_suggested_beside_the_frames_and_what_is_chosen_meanwhile_counts(
 }
 
 #[test]
-fn children_that_are_still_judged_stay_with_their_generation_and_go_on_to_another_shape() {
-    let folder = tempfile::tempdir().unwrap();
-    let [ball, _] = ball_and_song(folder.path());
-    let answers = Answers::default();
-    let chooser = Box::new(answers.clone());
-    let mut window = enter(Opening { folders: folders(folder.path()), chooser, ..Opening::default() });
-    click(&mut window, "suggest-children");
-    click(&mut window, "dance/2");
-    click(&mut window, "breed");
-    wait(&mut window, "children", |w| shows(w, "2 / 2"));
-    click(&mut window, "dance/3");
-    control(&window, "breed").click();
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    window.run_steps(2);
-    // The button rests while children are judged. A quick machine has bred before, and then goes back.
-    let rests = |window: &Window| control(window, "breed").accesskit_node().is_disabled();
-    wait(&mut window, "the end", |w| !rests(w) || shows(w, "3 / 3"));
-    assert!(!shows(&window, "3 / 3"), "the generation before was bred");
-    answers.add(ball);
-    control(&window, "breed").click();
-    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
-    window.run_steps(2);
-    wait(&mut window, "children on the ball", |w| shows(w, "3 / 3") || shows(w, "4 / 4"));
-}
-
-#[test]
 fn a_double_click_puts_a_dance_on_stage_and_makes_it_no_parent() {
     let folder = tempfile::tempdir().unwrap();
     let files = ball_and_song(folder.path()).to_vec();

@@ -73,7 +73,7 @@ use crate::work::formats;
 /// The room: one body, one gallery, one playlist.
 #[derive(Default)]
 pub struct MusicRoom {
-    /// The body that is loading, by its name, as below.
+    /// The name of the body that is loading, as in `body`, and its job.
     loading: Option<(PathBuf, Job<Ready>)>,
     /// The name of the body that dances, as the command line uses it.
     body: PathBuf,
@@ -223,19 +223,24 @@ impl MusicRoom {
             // Another shape dances the gallery bred on the one before.
             concert.go_on_from(before)?;
         }
+        if let Some(caution) = self.caution_on(concert.instrument().shape().eigenvalues.len()) {
+            shared.notices.warn(caution);
+        }
         // Another shape goes on in the same film, by the same autopilot, on a stage as black as it is.
         if let Some(before) = self.concert.take() {
-            let count = concert.instrument().shape().eigenvalues.len();
-            // A show that has waited for the shape takes the place of what was bred.
-            if self.coming.is_none()
-                && let Some(caution) = Show::of(before.instrument()).caution_on(count)
-            {
-                shared.notices.warn(caution);
-            }
             concert.go_on_as(before);
         }
         self.concert = Some(concert);
         Ok(())
+    }
+
+    /// A warning where what was bred goes on with another number of harmonics; none where a show that has waited for the
+    /// shape takes its place unasked.
+    fn caution_on(&self, harmonics: usize) -> Option<String> {
+        let before = self.concert.as_ref()?;
+        let gives_way = |coming: &Coming| !before.has_unsaved_work_since(coming.since);
+        let caution = Show::of(before.instrument()).caution_on(harmonics);
+        caution.filter(|_| !self.coming.as_ref().is_some_and(gives_way))
     }
 
     /// Reports what went wrong, and does not retry automatically.
@@ -243,5 +248,25 @@ impl MusicRoom {
         (self.loading, self.coming) = (None, None);
         self.refused |= self.concert.is_none();
         shared.notices.failed(why);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_said_that_children_will_be_others_unless_a_show_takes_their_place_unasked() {
+        let mut concert = Concert::of_ball(32).unwrap();
+        concert.act(Action::Choose { item: 1, on: true }).unwrap();
+        concert.act(Action::Breed).unwrap();
+        let (show, since) = (Show::of(concert.instrument()), concert.instrument().log().len());
+        let mut room = MusicRoom { concert: Some(concert), ..MusicRoom::default() };
+        assert!(room.caution_on(48).is_some() && room.caution_on(32).is_none());
+        room.coming = Some(Coming { path: "evening.toml".into(), show, since });
+        assert_eq!(room.caution_on(48), None);
+        // Then it is asked whether the show may come.
+        room.concert.as_mut().unwrap().act(Action::Favorite { item: 2, on: true }).unwrap();
+        assert!(room.caution_on(48).is_some());
     }
 }

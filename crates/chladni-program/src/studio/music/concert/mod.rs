@@ -396,3 +396,26 @@ impl Concert {
         self.instrument.scene(self.moment.at_beat).map(|scene| scene.to)
     }
 }
+
+#[cfg(test)]
+impl Concert {
+    /// A ball with this many harmonics, which dances unseen.
+    pub fn of_ball(harmonics: usize) -> Result<Self, Error> {
+        use chladni_harmonics::{BasisSettings, Body};
+        use chladni_mesh::{Orientation, samples};
+
+        let (mesh, task) = (samples::icosphere(2), chladni_task::Task::new());
+        let body = Body::build(&mesh, &BasisSettings::new(harmonics), &task)?;
+        let symmetry = crate::work::dancer::classes(&body, false, &task)?;
+        let ready = Ready {
+            dancing: Dancing::new(&body, symmetry, &Orientation::Y_UP)?,
+            stands: Orientation::Y_UP,
+            opening_view: Viewpoint::default(),
+            voices: Vec::new(),
+            details: Vec::new(),
+            own: None,
+            warnings: Vec::new(),
+        };
+        Self::new(&Screen::unseen(&Device::Processor), ready)
+    }
+}

@@ -66,3 +66,53 @@ impl Concert {
         self.act(Action::BreedFrom { candidates: judged? })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+    use chladni_music::Switch;
+
+    /// A ball whose second generation is asked for children.
+    fn breeding() -> Concert {
+        let mut concert = Concert::of_ball(32).unwrap();
+        for action in [
+            Action::Choose { item: 1, on: true },
+            Action::Breed,
+            Action::Switch { switch: Switch::Suggest, on: true },
+            Action::Choose { item: 2, on: true },
+            Action::Breed,
+        ] {
+            concert.act(action).unwrap();
+        }
+        assert!(concert.is_judging() && concert.instrument().gallery().current() == 1);
+        concert
+    }
+
+    #[test]
+    fn children_that_are_still_judged_are_not_bred_from_another_generation() {
+        let mut concert = breeding();
+        // They are judged until the end of the test.
+        let (_end, held) = channel::<()>();
+        let ctx = egui::Context::default();
+        let job = Job::start("Suggesting", &ctx, move |_| {
+            let _ = held.recv();
+            Ok(Vec::new())
+        });
+        concert.judging.running = Some((Arc::new(concert.instrument().gallery().clone()), job));
+        concert.act(Action::GoTo { generation: 0 }).unwrap();
+        concert.judge(&ctx).unwrap();
+        assert!(!concert.is_judging());
+        assert_eq!(concert.instrument().gallery().generations().len(), 2);
+    }
+
+    #[test]
+    fn children_that_are_still_judged_go_on_to_another_shape() {
+        let before = breeding();
+        let mut concert = Concert::of_ball(48).unwrap();
+        concert.go_on_from(&before).unwrap();
+        concert.go_on_as(before);
+        assert!(concert.is_judging());
+    }
+}
