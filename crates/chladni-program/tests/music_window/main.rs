@@ -12,6 +12,7 @@ mod controls;
 mod driving;
 mod files;
 mod films;
+mod first_shape;
 mod gallery;
 mod hands;
 mod lost_device;

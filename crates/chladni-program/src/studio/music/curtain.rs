@@ -82,20 +82,19 @@ impl Curtain {
             ui.ctx().set_cursor_icon(egui::CursorIcon::None);
             return;
         }
-        let hint = match concert.instrument().favorites().len() {
-            _ if concert.is_held() => {
-                "H goes on · arrow keys show another dance · Escape leaves the stage".to_owned()
+        let hint = if concert.is_held() {
+            "H goes on · arrow keys show another dance · Escape leaves the stage".to_owned()
+        } else if concert.is_piloted() {
+            "H holds this dance · arrow keys show another · Escape leaves the stage".to_owned()
+        } else if concert.instrument().steps_through_gallery() {
+            "Escape leaves the stage · arrow keys show another dance · F11 full screen".to_owned()
+        } else {
+            match concert.instrument().favorites().len() {
+                0 | 1 => "Escape leaves the stage · F11 full screen".to_owned(),
+                count => format!(
+                    "Escape leaves the stage · arrow keys show another of {count} favorites · F11 full screen"
+                ),
             }
-            _ if concert.is_piloted() => {
-                "H holds this dance · arrow keys show another · Escape leaves the stage".to_owned()
-            }
-            _ if concert.instrument().steps_through_gallery() => {
-                "Escape leaves the stage · arrow keys show another dance · F11 full screen".to_owned()
-            }
-            0 | 1 => "Escape leaves the stage · F11 full screen".to_owned(),
-            count => format!(
-                "Escape leaves the stage · arrow keys show another of {count} favorites · F11 full screen"
-            ),
         };
         let at = ui.max_rect().center_bottom() - egui::vec2(0.0, 24.0);
         show_halo(ui, (at, egui::Align2::CENTER_CENTER), &hint, HINT, 1.0);

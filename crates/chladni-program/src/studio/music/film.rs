@@ -126,7 +126,7 @@ impl Filming {
     pub fn show_form(&mut self, ctx: &egui::Context, window: [u32; 2], show_secs: f64) -> Option<Then> {
         let form = self.form.as_mut()?;
         let (mut wanted, mut open) = (None, true);
-        // In an open list or a number that is typed, beneath a question, Escape ends that alone.
+        // Escape first ends an open list, a number being typed, or a question in front.
         let leaves = LEAVE.pressed(ctx);
         // Above older messages, below those that it causes itself.
         let dialog =
