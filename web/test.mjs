@@ -1,9 +1,10 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|beats|shows|returns|haste|films|microphone|caricature|tools|ways|access|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
+// node web/test.mjs PAGE OUT [music|beats|shows|returns|haste|beginnings|films|microphone|caricature|tools|ways|access|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
 import * as access from "./tests/access.mjs";
 import { browser, stop } from "./tests/driver.mjs";
 import * as card from "./tests/card.mjs";
 import { beats } from "./tests/beats.mjs";
+import * as beginnings from "./tests/beginnings.mjs";
 import * as caricature from "./tests/caricature.mjs";
 import { firefox } from "./tests/firefox.mjs";
 import * as haste from "./tests/haste.mjs";
@@ -23,7 +24,8 @@ const rooms = {
   beats: [beats],
   shows: [shows.shows, shows.flashes, shows.withoutSong, shows.films],
   returns: [returns.dances, returns.galleries, returns.overtaken, returns.layers],
-  haste: [haste.shapes, haste.songs, haste.films, haste.beginnings, haste.lostTune, haste.slowly, haste.layers, haste.projects],
+  haste: [haste.shapes, haste.songs, haste.films, haste.layers, haste.projects],
+  beginnings: [beginnings.beginnings, beginnings.lostTune, beginnings.slowly],
   films: [shows.wholeFilms, shows.stoppedFilms, shows.brokenFilms],
   microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],

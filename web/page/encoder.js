@@ -116,7 +116,9 @@ export class EncodedFilm {
     if (this.soundAs) {
       soundRate = this.sounds.codec === "opus" ? OPUS_RATE : this.soundAs.sampleRate;
       // Pictures without sound are better than none.
-      try { frame.with_sound(this.sounds.codec, bytesOf(this.soundAs.description), soundRate); } catch { this.soundAs = undefined; }
+      try {
+        frame.with_sound(this.sounds.codec, bytesOf(this.soundAs.description), soundRate);
+      } catch { this.soundAs = undefined; }
     }
     this.isSilent = !this.soundAs;
     const pieces = this.pieces.filter(({ isSound }) => !isSound || this.soundAs);

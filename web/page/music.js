@@ -226,7 +226,7 @@ export async function openText(name, bytes) {
   shows.know(text, needs);
   refresh();
   lacks = needs.body && needs.body !== state.body ? { name, text, needs, begin } : undefined;
-  say(isOpen(name, needs));
+  say(isOpen(name, needs), false, needs.caution || needs.others ? 20 : 8);
 }
 
 /** Takes the text of a dance into the gallery. */
@@ -244,15 +244,8 @@ function takeDance(name, text, caution) {
 }
 
 /** The news that a show is open, and what it still lacks. */
-function isOpen(name, needs) {
-  if (lacks) return `${name} was danced by ${needs.body}: drop that mesh, too.`;
-  const missing = needs.songs.filter((song) => !songs.find(song));
-  const cautions = [needs.caution, needs.others];
-  if (missing.length) return [`${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.`, ...cautions].filter(Boolean).join(" ");
-  const behind = [state.looks.picture, state.looks.panorama].filter(Boolean).map(base);
-  const unseen = behind.length && `${behind.join(" and ")} cannot be shown behind it: the page has no pictures of one's own.`;
-  return [...cautions, unseen].filter(Boolean).join(" ") || `${name} is open.`;
-}
+const isOpen = (name, needs) => (
+  lacks ? `${name} was danced by ${needs.body}: drop that mesh, too.` : shows.isOpen(name, needs, state.looks));
 
 /** Plays the show that was opened, or leaves it to the user. */
 async function playShow() {
@@ -458,13 +451,15 @@ function refresh() {
   of("shape").querySelector("[value='']").textContent = option ? "Other…" : state.body;
 }
 
-/** Goes in: what danced there goes on, or the octopus dances. */
+/** The song is heard from here on; where there is none, the tune comes. */
 async function playAloud() {
   if (!(await sound.play())) say("No sound device answers: the song runs on silently.", true);
   // The tune that was cancelled, or lost with its worker, comes once somebody wants to hear it.
-  if (!songs.current() && !works("song")) await know(busy("Our own tune", (tell) => ask({ work: "decode", name: songs.TUNE }, tell, "song")));
+  if (songs.current() || works("song")) return;
+  await know(busy("Our own tune", (tell) => ask({ work: "decode", name: songs.TUNE }, tell, "song")));
 }
 
+/** Goes in: what danced there goes on, or the octopus dances. */
 export async function enter() {
   // It is parked once the plate is there.
   const goesOn = !!parked || (!!concert && concert !== atFront);

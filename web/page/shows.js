@@ -1,5 +1,5 @@
 // A saved show, played: the module does again what was done, and says what is to be heard; songs follow that here.
-import { of, say } from "./page.js";
+import { base, of, say } from "./page.js";
 import * as songs from "./songs.js";
 
 /** The show that was opened last: its text and what it needs. */
@@ -12,6 +12,16 @@ let wasPlayed = false;
 
 /** A show was opened. */
 export function know(text, needs) { opened = { text, needs }; }
+
+/** The news that a show with these needs is open on its body: what it still lacks, and what is other here. */
+export function isOpen(name, needs, looks) {
+  const missing = needs.songs.filter((song) => !songs.find(song));
+  const lacks = missing.length && `${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.`;
+  const behind = [looks.picture, looks.panorama].filter(Boolean).map(base);
+  const unseen = !lacks && behind.length
+    && `${behind.join(" and ")} cannot be shown behind it: the page has no pictures of one's own.`;
+  return [lacks, needs.caution, needs.others, unseen].filter(Boolean).join(" ") || `${name} is open.`;
+}
 
 export const isWaiting = () => waitsSince !== undefined;
 /** The page's clock without the times in which a show waited. */

@@ -83,7 +83,7 @@ async function begin() {
     if (film) save("chladni-song.mp4", film);
     else say("The film was given up.");
     if (failed) throw endedEarly(failed);
-    if (film && isSilent) say("This browser encodes no sound: the film is silent.", true);
+    if (film && isSilent) say("The film is silent: this browser encodes no sound that a file can hold.", true);
   } finally {
     stage.end();
     release?.();

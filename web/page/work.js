@@ -21,7 +21,8 @@ const waiting = new Map();
 let next = 0;
 
 /** A worker has ended by itself, which says nothing of what it was asked for. */
-const stoppedBy = (why) => Object.assign(new Error(`The work stopped: ${why || "not enough memory?"}`), { name: "StoppedError" });
+const stoppedBy = (why) => (
+  Object.assign(new Error(`The work stopped: ${why || "not enough memory?"}`), { name: "StoppedError" }));
 
 /** A worker, or a thread of it. */
 function open(file, name) {
@@ -86,7 +87,8 @@ export function giveUp(why = new DOMException("Cancelled", "AbortError"), names 
   }
 }
 
-/** `report` gets ("step", "progress" or "warning", text). `bytes` are given away. Workers of other names work beside each other. */
+/** `report` gets ("step", "progress" or "warning", text). `bytes` are given away. Workers of other names work beside each
+ * other. */
 export function ask(request, report = () => {}, name = "work") {
   const [worker] = workers.get(name) ?? start(name);
   const id = next++;

@@ -270,7 +270,7 @@ export async function stoppedFilms() {
     assert.ok(Math.abs(seen.secs - pictures / 24) < 0.15, `${seen.secs} s of ${pictures} pictures`);
     assert.deepEqual([sounds > 0, seen.sounds], [!silent, !silent]);
     const said = await page.textContent("#status");
-    assert.equal(/the film is silent/.test(said), silent, said);
+    assert.equal(/^The film is silent/.test(said), silent, said);
     assert.ok(await page.isHidden("#whole-film"));
     step(`a film was ended after ${pictures} of 1440 pictures${silent ? ", without sound" : ""}`);
     assert.deepEqual([wrong, elsewhere], [[], []]);

@@ -248,7 +248,7 @@ impl Project {
             return Err(CaricatureError::Range {
                 what: "the number of painted values of all layers",
                 value: stored as f64,
-                range: "2²⁶ (67,108,864) or less to be saved: clear a painted region, or delete a layer",
+                range: "2²⁶ (67,108,864) or less to be saved: set a region to Everywhere, or delete a layer",
             });
         }
         *self = changed;

@@ -351,7 +351,7 @@ fn a_project_that_would_not_open_again_is_not_written() {
     // Nor does it come to that: what would be too much is refused when it is done.
     let (first, before) = (project.layers()[0].0, project.clone());
     let refused = project.apply(&Action::Duplicate(first), None).unwrap_err().to_string();
-    assert!(refused.contains("71303168") && refused.contains("clear a painted region"), "{refused}");
+    assert!(refused.contains("71303168") && refused.contains("set a region to Everywhere"), "{refused}");
     assert_eq!(project, before);
     project.apply(&Action::Set { layer: first, to: Property::Mu(2.0) }, None).unwrap();
 }

@@ -174,7 +174,8 @@ impl<'a> MirrorSearch<'a> {
             let (_, weights) = closest_on_triangle(p, &at);
             let offset = sub(p, mixed(at, weights));
             let distance = dot(offset, offset);
-            // Of several as near, it is the first, in whatever order they are compared.
+            // Of several as near that are compared, the one with the lowest number, so that the order in the tree
+            // matters little.
             if distance < best.0 || distance == best.0 && t < nearest {
                 (best, nearest) = ((distance, (triangle, weights)), t);
             }

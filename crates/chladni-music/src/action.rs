@@ -87,6 +87,11 @@ impl Action {
         )
     }
 
+    /// Whether it makes dances of others by chance.
+    pub fn is_bred(&self) -> bool {
+        matches!(self, Self::Breed | Self::BreedFrom { .. } | Self::Mutate { .. })
+    }
+
     /// The actions that set the knobs to a timbre.
     pub fn for_timbre(timbre: &Timbre) -> [Self; 6] {
         let set = |parameter, value| Self::Set { parameter, value };

@@ -10,7 +10,7 @@ pub use self::songs::{BeatReading, FileRef, Recording, SongRef, Stretch, heard_a
 use self::songs::{MOST_OCTAVES, MOST_SHIFT_SECS};
 use crate::gallery::GalleryShape;
 use crate::text_file::{self, FORMAT_VERSION};
-use crate::{Action, ClockTrack, Instrument, LoggedAction, MusicError, Parameters, Settings};
+use crate::{ClockTrack, Instrument, LoggedAction, MusicError, Parameters, Settings};
 
 mod appearance;
 mod songs;
@@ -141,15 +141,15 @@ impl Show {
         )
     }
 
-    /// A warning for the user where it goes on with another number of harmonics than it was bred with: what is drawn by
-    /// chance for children goes on from one harmonic to the next, so that others come.
+    /// A warning for the user where it goes on with another number of harmonics than it was bred with. Chance draws one
+    /// harmonic after another, so another number of them gives other dances.
     pub fn caution_on(&self, harmonics: usize) -> Option<String> {
         let bred_with = self.harmonics.filter(|own| *own != harmonics)?;
-        let breeds = |line: &LoggedAction| matches!(line.action, Action::Breed | Action::BreedFrom { .. });
         let caution = format!(
-            "The dances were bred with {bred_with} harmonics; with {harmonics}, children are others."
+            "The dances were bred with {bred_with} harmonics; with {harmonics}, those bred or varied come out \
+             differently."
         );
-        self.actions.iter().any(breeds).then_some(caution)
+        self.actions.iter().any(|line| line.action.is_bred()).then_some(caution)
     }
 
     /// Reads the text of a show file, or of a session of version 1. A viewpoint out of all bounds is replaced by the

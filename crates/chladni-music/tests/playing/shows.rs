@@ -41,12 +41,14 @@ fn what_was_kept_before_anything_resonated_does_not_resonate() {
 }
 
 #[test]
-fn a_show_that_breeds_says_that_children_are_others_with_other_harmonics() {
+fn a_show_that_breeds_says_that_dances_come_out_differently_with_other_harmonics() {
     let text = "format_version = 2\nharmonics = 64\nseed = 5\nsize = 6\n";
-    let breeds = "actions = [{ at_secs = 1.0, at_beat = 0.0, do = \"breed\" }]\n";
-    let bred = Show::from_text(&format!("{text}{breeds}")).unwrap();
-    assert_eq!(bred.caution_on(64), None);
-    assert!(bred.caution_on(96).unwrap().contains("64 harmonics; with 96"));
+    for breeds in ["do = \"breed\"", "do = \"mutate\", item = 0, amount = 0.5"] {
+        let actions = format!("actions = [{{ at_secs = 1.0, at_beat = 0.0, {breeds} }}]\n");
+        let bred = Show::from_text(&format!("{text}{actions}")).unwrap();
+        assert_eq!(bred.caution_on(64), None);
+        assert!(bred.caution_on(96).unwrap().contains("64 harmonics; with 96"), "{breeds}");
+    }
     assert_eq!(Show::from_text(text).unwrap().caution_on(96), None);
 }
 

@@ -34,22 +34,7 @@ impl FrameGuard {
     /// Looks at the frame of `time_secs`, of straight alpha, and veils it where it would flash.
     pub fn pass(&mut self, time_secs: f64, picture: &mut Picture) {
         let veil = self.judge(time_secs, picture.rgba.as_chunks().0, [picture.width, picture.height]);
-        match veil {
-            Veil::Clear => {}
-            Veil::Black(_) => {
-                let table: [u8; 256] = std::array::from_fn(|value| veil.over(value as u8));
-                for pixel in picture.rgba.as_chunks_mut::<4>().0 {
-                    for channel in &mut pixel[..3] {
-                        *channel = table[usize::from(*channel)];
-                    }
-                }
-            }
-            // It is seen where the picture is transparent, too.
-            Veil::White(opacity) => {
-                let white = Picture::filled(picture.width, picture.height, [255, 255, 255, opacity]);
-                picture.blend(&white, 0, 0, 1.0);
-            }
-        }
+        lay(veil, picture);
     }
 
     /// Judges the frame of `time_secs` by some of its pixels (by all, if it is small), over black where they are
@@ -89,6 +74,27 @@ impl FrameGuard {
     /// The longest time for which bright stripes were shown.
     pub fn longest_stripes_secs(&self) -> f64 {
         self.shown.longest_stripes_secs()
+    }
+}
+
+/// Lays a veil over a picture.
+fn lay(veil: Veil, picture: &mut Picture) {
+    let is_opaque = |picture: &Picture| picture.rgba.as_chunks::<4>().0.iter().all(|pixel| pixel[3] == 255);
+    match veil {
+        Veil::Clear => {}
+        // It is seen where the picture is transparent, too.
+        Veil::White(opacity) if !is_opaque(picture) => {
+            let white = Picture::filled(picture.width, picture.height, [255, 255, 255, opacity]);
+            picture.blend(&white, 0, 0, 1.0);
+        }
+        Veil::Black(_) | Veil::White(_) => {
+            let table: [u8; 256] = std::array::from_fn(|value| veil.over(value as u8));
+            for pixel in picture.rgba.as_chunks_mut::<4>().0 {
+                for channel in &mut pixel[..3] {
+                    *channel = table[usize::from(*channel)];
+                }
+            }
+        }
     }
 }
 
@@ -162,6 +168,20 @@ mod tests {
         // White that comes and goes is one, though its color stays.
         let [watched, guarded, damped] = frames([[255; 4], [255, 255, 255, 0]]);
         assert!(watched >= 4 && guarded <= 3 && damped > 0, "{watched} {guarded} {damped}");
+    }
+
+    #[test]
+    fn a_white_veil_changes_opaque_pixels_alike_in_any_picture_and_is_seen_in_transparent_ones() {
+        let shades = (0..=255_u8).flat_map(|shade| [shade, shade, shade, 255]);
+        for opacity in [1, 100, 255] {
+            let mut opaque = Picture { width: 256, height: 1, rgba: shades.clone().collect() };
+            let rgba = shades.clone().chain([0; 4]).collect();
+            let mut with_hole = Picture { width: 257, height: 1, rgba };
+            lay(Veil::White(opacity), &mut opaque);
+            lay(Veil::White(opacity), &mut with_hole);
+            assert_eq!(opaque.rgba, with_hole.rgba[..1024]);
+            assert_eq!(with_hole.rgba[1024..], [255, 255, 255, opacity]);
+        }
     }
 
     #[test]

@@ -199,8 +199,8 @@ pub fn check_no_texture(path: &Path, shape: &Path, mesh: &TriMesh) -> Result<(),
         let others = material.other_statements.iter().filter_map(|statement| other_picture(statement));
         color.chain(others.flatten()).collect::<Vec<_>>()
     };
-    // The mesh knows only the pictures of colors of a glTF file.
-    let of_gltf = if is_gltf(shape) && path.is_file() {
+    // The mesh knows only the pictures of colors of a glTF file; a GLB replaces none of them.
+    let of_gltf = if is_gltf(shape) && path.is_file() && !is_gltf(path) {
         read_file(shape, u64::MAX).map(|bytes| pictures_beside(&bytes)).unwrap_or_default()
     } else {
         Vec::new()

@@ -262,7 +262,8 @@ impl SongReader {
         Ok(Some(&self.stereo))
     }
 
-    /// Seeks to exactly this frame of the song. Beyond the end, the next block is `None`.
+    /// Seeks to exactly this frame of the song. Beyond the end, the next block is `None`. In Matroska everything before the
+    /// frame is read, too.
     ///
     /// # Errors
     /// The file cannot be read again from its start.
@@ -346,8 +347,8 @@ impl SongReader {
         })
     }
 
-    /// Passes over the packets before this frame: the reader of Matroska takes the wrong time for a cluster that it looks up.
-    /// Packets need not state a length, so decoding begins a second earlier.
+    /// Passes over the packets before this frame: the reader of Matroska takes the wrong time for a cluster that it
+    /// looks up. Packets need not state a length, so decoding begins a second earlier.
     fn seek_matroska(&mut self, frame: u64) -> Result<(), SoundError> {
         self.restart()?;
         let begin = frame.saturating_sub(u64::from(self.rate_hz));

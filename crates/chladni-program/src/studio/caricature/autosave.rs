@@ -37,7 +37,8 @@ enum Order {
 
 /// A copy that was written, or why not.
 struct Report {
-    kept: Result<(), CaricatureError>,
+    /// The number of its order, counted from 0: those before it are done, too.
+    kept: Result<usize, CaricatureError>,
     took_secs: f64,
 }
 
@@ -153,16 +154,19 @@ impl Drop for Autosave {
 }
 
 fn work(recovery: Recovery, inbox: &Receiver<Order>, reports: &Sender<Report>) {
+    // The number of the next order of a copy.
+    let mut number = 0;
     let mut whole = true;
     while let Ok(first) = inbox.recv() {
         let mut waiting = std::iter::once(first).chain(inbox.try_iter()).peekable();
         while let Some(order) = waiting.next() {
             match order {
                 // On a slow disk the next copy takes its place, or none is needed any longer.
-                Order::Keep(..) if replaces_a_copy(waiting.peek()) => {}
+                Order::Keep(..) if replaces_a_copy(waiting.peek()) => number += 1,
                 Order::Keep(project, path) => {
                     let began = Instant::now();
-                    let kept = recovery.keep(&project, path.as_deref());
+                    let kept = recovery.keep(&project, path.as_deref()).map(|()| number);
+                    number += 1;
                     whole = kept.is_ok();
                     let took_secs = began.elapsed().as_secs_f64();
                     // The window may have gone meanwhile.
@@ -313,7 +317,8 @@ mod tests {
         }
         drop(orders);
         work(Recovery::start(folder.path(), std::process::id()).unwrap(), &inbox, &report);
-        assert_eq!(reports.try_iter().count(), 1);
+        let numbers: Vec<usize> = reports.try_iter().map(|report| report.kept.unwrap()).collect();
+        assert_eq!(numbers, [2], "the two before it have no reports of their own");
         assert_eq!(found(folder.path())[0].project.harmonics, 10);
 
         let mut autosave = Autosave::start(folder.path()).unwrap();

@@ -152,10 +152,6 @@ impl Room for CaricatureRoom {
         }
         self.center(ui, shared, &mut edits);
         self.show_export(ui, shared);
-        // Also where the tool that began a stroke was put away meanwhile.
-        if shared.ctx.input(|input| input.pointer.any_released()) {
-            edits.finish();
-        }
         self.carry_out(edits.take(), shared);
         if let Some(session) = &mut self.session {
             // It is evaluated while this frame is brought to the screen.
@@ -176,7 +172,7 @@ impl Room for CaricatureRoom {
     }
 
     fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
-        // A drag that a key has taken to another room ends there.
+        // Also where the tool that began a drag was put away, or a key has led to another room.
         if shared.ctx.input(|input| input.pointer.any_released())
             && let Some(session) = &mut self.session
         {

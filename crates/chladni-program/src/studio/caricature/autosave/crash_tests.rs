@@ -91,7 +91,8 @@ fn edits_until_killed() {
     let (mut editor, mut pauses) = (Editor::new(seed), chladni_testdata::chance(seed + 1));
     let mut autosave = Autosave::every([PERIOD_SECS; 2], &folder.join("state")).unwrap();
     let began = Instant::now();
-    let mut ordered = VecDeque::new();
+    // The turns of the copies, by the numbers of their orders.
+    let mut ordered = Vec::new();
     // Past the test's own capture.
     let say = |what: &str, turn: usize| {
         writeln!(std::io::stdout(), "\n{what} {turn} {}", began.elapsed().as_secs_f64()).unwrap();
@@ -100,13 +101,12 @@ fn edits_until_killed() {
         editor.turn();
         say("did", editor.turns);
         for report in autosave.reports.try_iter() {
-            report.kept.unwrap();
-            say("kept", ordered.pop_front().unwrap());
+            say("kept", ordered[report.kept.unwrap()]);
         }
         let before = autosave.last_secs;
         assert_eq!(autosave.tick(&editor.history, None, began.elapsed().as_secs_f64()), None);
         if autosave.last_secs > before {
-            ordered.push_back(editor.turns);
+            ordered.push(editor.turns);
             say("ordered", editor.turns);
         }
         if below(&mut pauses, 40) == 0 {
@@ -122,8 +122,8 @@ fn edits_until_killed() {
 #[derive(Default)]
 struct Said {
     did: Vec<f64>,
-    /// Copies that were ordered and not yet reported as written, and when.
-    under_way: VecDeque<f64>,
+    /// The turns of copies that were ordered and may not be on the disk yet, and when.
+    under_way: VecDeque<(usize, f64)>,
     /// The last turn that is on the disk for certain.
     on_disk: usize,
     last_secs: f64,
@@ -142,12 +142,11 @@ impl Said {
         match what {
             "did" => self.did.push(secs),
             // It was ordered before that was said, and after the word before.
-            "ordered" => self.under_way.push_back(before_secs),
+            "ordered" => self.under_way.push_back((turn, before_secs)),
             _ => {
                 self.on_disk = self.on_disk.max(turn);
-                if what == "kept" {
-                    self.under_way.pop_front();
-                }
+                // A later copy took the place of those that were not written.
+                while self.under_way.pop_front_if(|(ordered, _)| *ordered <= turn).is_some() {}
             }
         }
     }
@@ -157,7 +156,7 @@ impl Said {
     fn allowed_secs(&self) -> f64 {
         let times = || std::iter::once(&0.0).chain(&self.did).chain([&self.last_secs]);
         let look = times().zip(times().skip(1)).map(|(one, next)| next - one).fold(0.0, f64::max);
-        let writing = self.under_way.front().map_or(0.0, |began| self.last_secs - began);
+        let writing = self.under_way.front().map_or(0.0, |(_, began)| self.last_secs - began);
         PERIOD_SECS + look + writing
     }
 }

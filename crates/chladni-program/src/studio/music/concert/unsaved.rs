@@ -24,13 +24,13 @@ impl Concert {
     /// The same of what was done after this number of actions.
     pub fn has_unsaved_work_since(&self, count: usize) -> bool {
         self.has_since(count.max(self.saved), |action| {
-            is_by_hand(action) || self.is_of_a_file && is_bred(action)
+            is_by_hand(action) || self.is_of_a_file && action.is_bred()
         })
     }
 
     /// Whether there is anything that was not saved and would be missed.
     pub fn has_changed(&self) -> bool {
-        self.has_since(self.saved, |action| is_by_hand(action) || is_bred(action))
+        self.has_since(self.saved, |action| is_by_hand(action) || action.is_bred())
     }
 
     /// Whether another gallery would take away dances that no file has. Favorites would stay.
@@ -43,10 +43,6 @@ impl Concert {
     }
 }
 
-fn is_bred(action: &Action) -> bool {
-    matches!(action, Action::Breed | Action::BreedFrom { .. } | Action::Mutate { .. })
-}
-
 /// The number of actions that came before the gallery that is shown.
 fn gallery_since(log: &[LoggedAction]) -> usize {
     log.iter().rposition(|line| matches!(line.action, Action::NewGallery { .. })).map_or(0, |last| last + 1)
@@ -54,7 +50,7 @@ fn gallery_since(log: &[LoggedAction]) -> usize {
 
 /// Whether what an action makes goes with the gallery.
 fn is_of_gallery(action: &Action) -> bool {
-    is_bred(action) || is_by_hand(action) && !matches!(action, Action::Favorite { .. })
+    action.is_bred() || is_by_hand(action) && !matches!(action, Action::Favorite { .. })
 }
 
 fn is_by_hand(action: &Action) -> bool {
