@@ -115,6 +115,8 @@ pub struct Divided<'a> {
 
 /// Vertices of a part at most that are tried for its text: each is a search through the mesh.
 const TRIED: usize = 300;
+/// A part of which fewer than one in so many vertices are seen has no text.
+const HIDDEN: usize = 20;
 
 impl Divided<'_> {
     /// Vertices of each part that are on the surface, spread over it.
@@ -139,9 +141,13 @@ impl Divided<'_> {
     }
 }
 
-/// The pixel of the vertex in the middle of those that are seen; `None` of a hidden part.
+/// The pixel of the vertex in the middle of those that are seen; `None` of a part that is hidden, or nearly so: its text
+/// would lie on others.
 fn middle(samples: &[[f32; 3]], pixel_if_seen: impl Fn([f32; 3]) -> Option<[f32; 2]>) -> Option<[f32; 2]> {
     let seen: Vec<[f32; 2]> = samples.iter().filter_map(|p| pixel_if_seen(*p)).collect();
+    if seen.len() * HIDDEN < samples.len() {
+        return None;
+    }
     let mean = [0, 1].map(|axis| seen.iter().map(|at| at[axis]).sum::<f32>() / seen.len() as f32);
     let far = |at: &[f32; 2]| (at[0] - mean[0]).hypot(at[1] - mean[1]);
     seen.into_iter().min_by(|a, b| far(a).total_cmp(&far(b)))
