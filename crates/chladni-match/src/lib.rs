@@ -70,7 +70,7 @@ pub use infill::{Infill, infilled};
 pub use landmarks::{Landmark, load_landmarks, read_landmarks, write_landmarks};
 pub use matching::{Match, MatchSettings, Method, match_shapes};
 pub use mean::MeanShape;
-pub use quality::MatchReport;
+pub use quality::{MatchReport, NEAR_TIE};
 pub use similarity::{Scaling, Similarity};
 pub use transfer::{Transfer, transfer};
 

@@ -46,6 +46,10 @@ pub struct MatchReport {
     pub warnings: Vec<String>,
 }
 
+/// The [warning](MatchReport::warnings) of a [near tie](MatchReport::near_tie).
+pub const NEAR_TIE: &str =
+    "another pose of the template fits nearly as well: check that it is not turned round";
+
 /// A near tie: the runner-up's misfit exceeds the best one by less than this share of itself.
 const TIE: f64 = 0.1;
 /// Also a near tie: the runner-up fits this well. Which of two perfect fits is better is chance.
@@ -118,9 +122,7 @@ impl MatchReport {
 
     fn warn(&mut self) {
         if self.near_tie {
-            self.warnings.push(
-                "another pose of the template fits nearly as well: check that it is not turned round".into(),
-            );
+            self.warnings.push(NEAR_TIE.into());
         }
         if self.coverage < 0.5 {
             self.warnings.push(format!(

@@ -4,6 +4,7 @@ mod changes;
 
 use std::path::{Path, PathBuf};
 
+use chladni_mesh::Format;
 use chladni_music::{BeatReading, CHOIRS, Choir, FORMS, Form, Looks, Preset, Show, SongRef};
 use chladni_synth::Backend;
 use chladni_view::film::RawFormat;
@@ -13,6 +14,7 @@ use self::changes::{Ring, rings};
 use super::Terminal;
 use super::choice::one_of;
 use super::frames::{Fps, Size};
+use super::number::seconds;
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
 use crate::work::formats::is_project;
@@ -52,7 +54,8 @@ pub struct Dance {
     /// Leave what is there already: a film, or the first frames of a folder, which are whole or missing.
     #[arg(long)]
     resume: bool,
-    /// The largest number of morph targets in a .glb, 48 unless given: more come nearer to the film.
+    /// The largest number of morph targets in a .glb, beside one for the offset, 48 unless given: more come nearer to the
+    /// film.
     #[arg(long, value_name = "N")]
     targets: Option<usize>,
     /// Width and height in pixels; an MP4 leaves out the last column or row of odd ones.
@@ -62,10 +65,10 @@ pub struct Dance {
     #[arg(long, default_value = "30", allow_negative_numbers = true)]
     fps: Fps,
     /// Where in the song, or in the show, to begin, in seconds.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = seconds)]
     start: f64,
     /// How much of it, in seconds; all unless given.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
     duration: Option<f64>,
     /// Seed of all that is random: the reactions to the beat and, without preset, a mapping bred from the
     /// gallery of this seed instead of the direct one. A show has its own.
@@ -313,7 +316,7 @@ impl Dance {
     /// The film of the show at `path`, with the shape and the song of the arguments in the place of its own where they are
     /// given.
     fn film_of_show(&self, path: &Path, output: Output, terminal: &Terminal) -> Result<Film, Error> {
-        check_no_project(path)?;
+        check_no_shape(path)?;
         let mut show = Show::load(path).map_err(|error| in_file(path, error))?;
         for caution in cautions(&show) {
             terminal.note(format_args!("{}: {caution}", path.display()));
@@ -396,7 +399,7 @@ impl Dance {
     /// How it begins where no show says it.
     fn beginning(&self) -> Result<Beginning, Error> {
         let load = |path: &Path| {
-            check_no_project(path)?;
+            check_no_shape(path)?;
             Preset::load(path).map_err(|error| in_file(path, error))
         };
         let preset = self.preset.as_deref().map(load).transpose()?;
@@ -419,13 +422,15 @@ fn colorings() -> impl Iterator<Item = (&'static str, Coloring)> {
 const BACKENDS: [(&str, Backend); 3] =
     [("auto", Backend::Auto), ("cpu", Backend::Cpu), ("gpu", Backend::Gpu)];
 
-/// Refuses a caricature in the place of a show or a preset, whose format versions are others.
-fn check_no_project(path: &Path) -> Result<(), Error> {
-    if !is_project(path) {
-        return Ok(());
-    }
+/// Refuses a mesh or a caricature, whose format versions are others, in the place of a show or a preset.
+fn check_no_shape(path: &Path) -> Result<(), Error> {
+    let kind = match Format::of_path(path) {
+        Some(_) => "a mesh",
+        None if is_project(path) => "a caricature",
+        None => return Ok(()),
+    };
     let path = path.display();
-    Err(Error::Input(format!("{path}: is a caricature: give it as MESH (dance {path} SONG)")))
+    Err(Error::Input(format!("{path}: is {kind}: give it as MESH (dance {path} SONG)")))
 }
 
 fn in_file(path: &Path, error: chladni_music::MusicError) -> Error {

@@ -24,8 +24,8 @@ pub struct GalleryOptions {
         "piece", "RegionOptions", "model", "mu", "strength", "cutoff", "roll_off", "no_clamp", "scale_curve",
         "infill"])]
     pub gallery: bool,
-    /// Breed on from these of the sheet, such as 3,7; once more from those of the next sheet.
-    #[arg(long, value_name = "N,N…", requires = "gallery")]
+    /// With --gallery: breed on from these of the sheet, such as 3,7; once more from those of the next sheet.
+    #[arg(long, value_name = "N,N…")]
     choose: Vec<Chosen>,
     /// Breed without changing these: strength, model, scales, parts, templates.
     #[arg(
@@ -36,11 +36,11 @@ pub struct GalleryOptions {
         value_delimiter = ','
     )]
     lock: Vec<Group>,
-    /// Write this one as a mesh (-o out.glb) in place of the sheet.
-    #[arg(long, value_name = "N", requires = "gallery", value_parser = of_sheet)]
+    /// With --gallery: write this one as a mesh (-o out.glb) in place of the sheet.
+    #[arg(long, value_name = "N", value_parser = of_sheet)]
     variant: Option<usize>,
-    /// Write a random good one as a mesh.
-    #[arg(long, requires = "gallery", conflicts_with_all = ["variant", "choose"])]
+    /// With --gallery: write a random good one as a mesh.
+    #[arg(long, conflicts_with_all = ["variant", "choose"])]
     surprise: bool,
 }
 

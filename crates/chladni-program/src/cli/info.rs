@@ -7,7 +7,7 @@ use chladni_mesh::{Estimate, HealthReport, Known, ShapeSource};
 use serde::Serialize;
 
 use super::Terminal;
-use crate::work::{Error, Warning, Watcher, health_rows, laplacian_row};
+use crate::work::{Error, Warning, Watcher, health_rows, laplacian_row, source};
 
 /// Report what a mesh file holds and how sound it is.
 #[derive(clap::Args)]
@@ -44,7 +44,7 @@ impl Info {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let (report, mended, found, cover) = terminal.watch("reading the mesh", |task| {
             let source = ShapeSource::named(&self.mesh);
-            let loaded = source.load(None)?;
+            let loaded = source.load(None).map_err(|error| source::explained(&source, error))?;
             let mended: Vec<String> = loaded.mended.iter().map(ToString::to_string).collect();
             // Samples are estimated, too: that shows how well it goes.
             let known = if source.stands().is_some() { Known::default() } else { source.known() };

@@ -21,7 +21,7 @@ pub struct LayerOptions {
     model: Model,
     /// 0 is the shape, 1 the template; below 0 exaggerates [default: -0.5; in paper mode -0.8, of the
     /// distance model -8]. Typical: -0.5 to -2.4, for the distance model to -8.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, allow_hyphen_values = true, value_parser = mu)]
     mu: Option<f64>,
     /// A factor on μ from 0 to 1.
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
@@ -72,6 +72,10 @@ pub fn scaling(rigid: bool) -> Scaling {
 fn seed(text: &str) -> Result<u64, Error> {
     let fits = |seed: &u64| i64::try_from(*seed).is_ok();
     number(text, fits, format_args!("a whole number from 0 to {}", i64::MAX))
+}
+
+fn mu(text: &str) -> Result<f64, Error> {
+    number(text, |_| true, "a number, such as -1.2")
 }
 
 fn cutoff(text: &str) -> Result<f64, Error> {

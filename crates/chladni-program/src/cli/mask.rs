@@ -9,7 +9,7 @@ use super::Terminal;
 use super::region::RegionOptions;
 use crate::work::formats::is_project;
 use crate::work::outputs::{check_apart, check_file, left_of_gltf};
-use crate::work::{Error, Subject, Watcher, mask, source};
+use crate::work::{Error, Subject, Warning, Watcher, mask, source};
 
 /// Write a region as a number from 0 to 1 for each vertex of the shape's file.
 #[derive(clap::Args)]
@@ -42,6 +42,9 @@ impl MaskCommand {
         let (shape, subject, painted) =
             if is_project(&self.shape) { self.of_project(terminal)? } else { self.of_mesh(terminal)? };
         let masked = mask::write(&self.output, &painted, &subject, self.as_colors)?;
+        if masked.inside == 0 {
+            terminal.warn(Warning::empty_region(None, subject.whole()));
+        }
         terminal.warn_each(shape.file().and_then(|shape| left_of_gltf(shape, &self.output)));
         terminal.result(format_args!("{} of {} vertices", masked.inside, masked.vertices))?;
         terminal.wrote(&self.output)

@@ -8,8 +8,8 @@ use chladni_caricature::{GivenEllipsoid, self_low_passed};
 use chladni_harmonics::npz::write_npz;
 use chladni_harmonics::{BasisSettings, Body, HarmonicsError};
 use chladni_match::{
-    Correspondence, Ellipsoid, Match, MatchError, MatchReport, MatchSettings, Method, load_landmarks,
-    match_shapes, onto_ellipsoid, self_scaled,
+    Correspondence, Ellipsoid, Match, MatchError, MatchReport, MatchSettings, Method, NEAR_TIE,
+    load_landmarks, match_shapes, onto_ellipsoid, self_scaled,
 };
 use chladni_mesh::surface::drawn_triangles;
 use chladni_mesh::surface::vec3::single;
@@ -121,7 +121,9 @@ impl MatchShapes {
             draw(path, &self.shape.display().to_string(), &shape, &found.correspondence, terminal)?;
         }
         for warning in &found.report.warnings {
-            terminal.warn(Warning::Plain(warning.clone()));
+            let way_out =
+                if warning == NEAR_TIE { " (--render P.png shows it; --landmarks leads it)" } else { "" };
+            terminal.warn(Warning::Plain(format!("{warning}{way_out}")));
         }
         if self.json {
             return terminal.json(&Printed { report: &found.report, seconds });

@@ -35,12 +35,15 @@ mod transfer;
 mod turntable;
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use chladni_view::Draw;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
 
 pub use terminal::Terminal;
 
+use crate::work::formats::is_project;
 use crate::work::{Error, Watcher};
 
 /// Plays the natural vibrations of 3D shapes.
@@ -149,15 +152,18 @@ pub fn exit_code(error: &Error) -> u8 {
 
 /// The error in the arguments and clap's suggestion, without the usage that follows.
 fn in_one_line(error: &clap::Error, arguments: &[OsString]) -> String {
-    if error.kind() == clap::error::ErrorKind::InvalidUtf8 {
+    if error.kind() == ErrorKind::InvalidUtf8 {
         // Its own text names none.
         let odd = arguments.iter().skip(1).filter(|argument| argument.to_str().is_none());
         let odd: Vec<_> = odd.map(|argument| argument.to_string_lossy()).collect();
         let which = if odd.len() == 1 { "is" } else { "one of these is" };
         return format!("{}: {which} not valid Unicode, which is needed here", odd.join(", "));
     }
-    if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         return "a subcommand is missing (--help lists what there is)".into();
+    }
+    if let Some(why) = misplaced(error, arguments) {
+        return why;
     }
     let text = error.to_string();
     let lines = text
@@ -178,6 +184,29 @@ fn in_one_line(error: &clap::Error, arguments: &[OsString]) -> String {
         said.push_str(line);
     }
     format!("{} (--help lists what there is)", said.strip_prefix("error: ").unwrap_or(&said))
+}
+
+/// Why a file in the place of a command, or a project in that of a shape, is refused.
+fn misplaced(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
+    match error.kind() {
+        ErrorKind::InvalidSubcommand => {
+            let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else {
+                return None;
+            };
+            let is_file = Path::new(name).is_file();
+            is_file.then(|| format!("{name} is a file, not a command: chladni open {name} opens it"))
+        }
+        ErrorKind::MissingRequiredArgument if arguments.iter().any(|argument| argument == "caricature") => {
+            // After an option it may be that one's value.
+            let is_option = |argument: &OsString| argument.to_string_lossy().starts_with('-');
+            let mut pairs = arguments.iter().zip(arguments.iter().skip(1));
+            let (_, project) =
+                pairs.find(|(before, argument)| !is_option(before) && is_project(Path::new(argument)))?;
+            let path = project.to_string_lossy();
+            Some(format!("{path}: is a caricature project: give it as --recipe {path}"))
+        }
+        _ => None,
+    }
 }
 
 impl Command {

@@ -14,3 +14,8 @@ pub fn number<T: FromStr>(
     let number = text.parse().ok().filter(fits);
     number.ok_or_else(|| Error::input(format_args!("must be {must_be}")))
 }
+
+/// Seconds, of whatever sign.
+pub fn seconds(text: &str) -> Result<f64, Error> {
+    number(text, |secs: &f64| secs.is_finite(), "a number of seconds, such as 90 or 1.5")
+}

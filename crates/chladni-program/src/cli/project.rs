@@ -16,7 +16,7 @@ use super::resolution::ResolutionOptions;
 use super::stance::StanceOptions;
 use crate::work::body::laplacian;
 use crate::work::outputs::check_file;
-use crate::work::{Error, Stance, Subject, source, template_mesh};
+use crate::work::{Error, Stance, Subject, Warning, Watcher, mask, source, template_mesh};
 
 /// Make, change and read caricature projects.
 #[derive(clap::Subcommand)]
@@ -153,6 +153,9 @@ impl AddLayer {
             Subject::of(&mut project, terminal)?
         };
         let painted = self.region.painted(&shape, &subject, terminal)?;
+        if mask::is_empty(&painted, &subject) {
+            terminal.warn(Warning::empty_region(Some(&name), &subject.mesh));
+        }
         let layer = self.layer.layer(&name, self.template, painted, &project, &subject, terminal)?;
         project.push(layer)?;
         save_over(&before, &project, &self.project)?;

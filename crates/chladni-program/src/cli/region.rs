@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::{Curved, HEAD_PARTS, Limbs, Painted, Sphere};
 use chladni_mesh::{TriMesh, weld};
 
+use super::number::number;
 use super::{Terminal, limbs, parts};
 use crate::work::{Error, Subject, mask};
 
@@ -20,7 +21,8 @@ pub struct RegionOptions {
     part: Vec<String>,
     /// Act only on this part of any shape, by the number that `parts --level` prints; may be repeated, or several with
     /// commas between.
-    #[arg(long, value_name = "N", conflicts_with_all = ["region", "part"], value_delimiter = ',')]
+    #[arg(long, value_name = "N", conflicts_with_all = ["region", "part"], value_delimiter = ',',
+        value_parser = limb)]
     limb: Vec<usize>,
     /// Which parts --limb counts, from 0 (whole limbs) to 1 (small features).
     #[arg(long, value_name = "X", requires = "limb", default_value_t = Limbs::USUAL_LEVEL,
@@ -38,6 +40,10 @@ pub struct RegionOptions {
     /// colors [default: mask; of a mesh that has none, red].
     #[arg(long, value_name = "NAME", requires = "mask")]
     mask_channel: Option<String>,
+}
+
+fn limb(text: &str) -> Result<usize, Error> {
+    number(text, |_| true, "a number that parts --level prints")
 }
 
 fn part(text: &str) -> Result<String, Error> {

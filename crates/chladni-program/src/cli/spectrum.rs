@@ -8,6 +8,7 @@ use chladni_task::Task;
 use clap::Args;
 
 use super::Terminal;
+use super::number::seconds;
 use crate::work::outputs::check_picture;
 use crate::work::{Error, Warning, Watcher, source, write_file};
 
@@ -42,10 +43,10 @@ pub struct Spectrum {
     #[arg(long)]
     fixed_level: bool,
     /// Where to begin, in seconds. The whole song is read for its level; not with --fixed-level.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = seconds)]
     start: f64,
     /// How much to show, in seconds [default: all]. The whole song is read for its level; not with --fixed-level.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
     duration: Option<f64>,
 }
 

@@ -134,6 +134,9 @@ fn advised(warning: &Warning, takes_stance: bool) -> String {
         Warning::InDoubt { .. } if takes_stance => {
             format!("{warning}: --up and --front say otherwise")
         }
+        Warning::NearTie { .. } => {
+            format!("{warning} (chladni match SHAPE TEMPLATE --render P.png shows it; --landmarks leads it)")
+        }
         _ => warning.to_string(),
     }
 }
@@ -175,5 +178,12 @@ mod tests {
         let warning = Warning::InDoubt { name: "a.obj".into(), stands: Orientation::Y_UP };
         assert!(advised(&warning, true).contains("--up and --front"));
         assert!(advised(&warning, false).ends_with("which is in doubt"));
+    }
+
+    #[test]
+    fn a_match_that_may_be_turned_round_can_be_looked_at() {
+        let warning = Warning::NearTie { template: "b.obj".into() };
+        let said = advised(&warning, false);
+        assert!(said.starts_with("b.obj: another pose") && said.contains("--render P.png"), "{said}");
     }
 }

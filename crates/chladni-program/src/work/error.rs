@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use chladni_caricature::CaricatureError;
 use chladni_harmonics::HarmonicsError;
-use chladni_match::MatchError;
-use chladni_mesh::{MeshError, Orientation};
+use chladni_match::{MatchError, NEAR_TIE};
+use chladni_mesh::{MeshError, Orientation, TriMesh};
 use chladni_music::MusicError;
 use chladni_sound::SoundError;
 use chladni_synth::SynthError;
@@ -185,10 +185,10 @@ pub enum Warning {
         /// All of them.
         harmonics: usize,
     },
-    /// A layer's region holds no vertex of a shape, which reaches from `from` to `to`.
+    /// A region holds no vertex of a shape, which reaches from `from` to `to`.
     EmptyRegion {
-        /// The layer.
-        layer: String,
+        /// The layer whose region it is, if it is one's.
+        layer: Option<String>,
         /// The least coordinates, file units.
         from: [f64; 3],
         /// The largest.
@@ -200,6 +200,11 @@ pub enum Warning {
         name: String,
         /// How it is drawn.
         stands: Orientation,
+    },
+    /// A layer's template fits in another pose nearly as well.
+    NearTie {
+        /// The template.
+        template: String,
     },
     /// A warning of an engine or a file about `name`.
     Of {
@@ -216,6 +221,15 @@ impl Warning {
     /// A warning about `name`.
     pub fn of(name: impl Display, message: impl Display) -> Self {
         Self::Of { name: name.to_string(), message: message.to_string() }
+    }
+
+    /// The region, of this `layer` if it is one's, holds no vertex of `mesh`.
+    pub fn empty_region(layer: Option<&str>, mesh: &TriMesh) -> Self {
+        let [from, to] = [f64::min, f64::max].map(|of: fn(f64, f64) -> f64| {
+            let all = mesh.positions.iter().copied();
+            all.reduce(|a, b| std::array::from_fn(|i| of(a[i], b[i]))).unwrap_or_default()
+        });
+        Self::EmptyRegion { layer: layer.map(str::to_owned), from, to }
     }
 }
 
@@ -234,13 +248,16 @@ impl Display for Warning {
                 let diagonal = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();
                 let corner = |at: &[f64; 3]| at.map(|c| digits(c, diagonal)).join(",");
                 let (from, to) = (corner(from), corner(to));
-                write!(
-                    f,
-                    "layer {layer}: its region holds no vertex, so it moves nothing; the shape reaches from {from} \
-                     to {to}"
-                )
+                match layer {
+                    Some(layer) => {
+                        write!(f, "layer {layer}: its region holds no vertex, so it moves nothing")?;
+                    }
+                    None => f.write_str("the region holds no vertex")?,
+                }
+                write!(f, "; the shape reaches from {from} to {to}")
             }
             Self::InDoubt { name, stands } => write!(f, "{name}: drawn with {stands}, which is in doubt"),
+            Self::NearTie { template } => write!(f, "{template}: {NEAR_TIE}"),
             Self::Of { name, message } => write!(f, "{name}: {message}"),
             Self::Plain(message) => f.write_str(message),
         }
@@ -253,7 +270,7 @@ mod tests {
 
     #[test]
     fn a_small_shape_reaches_somewhere_too() {
-        let warning = |from, to| Warning::EmptyRegion { layer: "a".into(), from, to }.to_string();
+        let warning = |from, to| Warning::EmptyRegion { layer: Some("a".into()), from, to }.to_string();
         let small = warning([-1e-5, 0.0, 0.0], [2e-5, 1e-5, 0.0]);
         let reached = "from -1.00000e-5,0.000000,0.000000 to 2.00000e-5,1.00000e-5,0.000000";
         assert!(small.ends_with(reached), "{small}");

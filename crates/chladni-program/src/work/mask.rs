@@ -140,6 +140,12 @@ fn painted(values: Vec<f64>, subject: &Subject) -> Result<Painted, Error> {
     Ok(painted)
 }
 
+/// Whether no vertex that is worked on is above 0.
+pub fn is_empty(painted: &Painted, subject: &Subject) -> bool {
+    !matches!(painted, Painted::Everywhere)
+        && !painted.values(&weld(&subject.mesh).positions).iter().any(|x| *x > 0.0)
+}
+
 /// Writes χ01 of a shape to `path`: an array, an archive with the array `mask`, a PLY with the attribute `mask`, or, as OBJ
 /// and GLB, and as PLY where `as_colors`, a mesh without materials whose vertices are gray, from black (0) to white (1). 0
 /// where no triangle uses a vertex.

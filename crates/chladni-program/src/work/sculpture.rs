@@ -73,8 +73,7 @@ pub fn make(
             return Err(Error::Input(format!("layer {}: {why}", layer.name)));
         }
         if layer.mask.as_ref().is_some_and(|mask| mask.iter().all(|share| *share == 0.0)) {
-            let [from, to] = reach(mesh);
-            watcher.warn(Warning::EmptyRegion { layer: layer.name.clone(), from, to });
+            watcher.warn(Warning::empty_region(Some(&layer.name), mesh));
         }
     }
     let source = project.shape.clone();
@@ -98,14 +97,6 @@ pub fn settled(stack: &mut Stack, project: &Project, watcher: &impl Watcher) -> 
 pub(super) fn leave_out_materials(mesh: &mut TriMesh) -> bool {
     mesh.appearance.face_materials.clear();
     !std::mem::take(&mut mesh.appearance.materials).is_empty()
-}
-
-/// The least and the largest coordinates.
-fn reach(mesh: &TriMesh) -> [[f64; 3]; 2] {
-    [f64::min, f64::max].map(|of: fn(f64, f64) -> f64| {
-        let all = mesh.positions.iter().copied();
-        all.reduce(|a, b| std::array::from_fn(|i| of(a[i], b[i]))).unwrap_or_default()
-    })
 }
 
 impl Sculpture {

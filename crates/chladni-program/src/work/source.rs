@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::Project;
 use chladni_harmonics::available_memory;
 use chladni_mesh::samples::{SAMPLES, portrait_sliders};
-use chladni_mesh::{Loaded, ShapeSource, TriMesh, nothing_beside, read_named_mesh};
+use chladni_mesh::{Format, Loaded, MeshError, ShapeSource, TriMesh, nothing_beside, read_named_mesh};
 use chladni_sound::{Song, SongOptions, SongReader, SoundError, sample_tune};
 use chladni_task::open_file;
 
@@ -47,9 +47,27 @@ pub fn loaded(source: &ShapeSource, watcher: &impl Watcher) -> Result<Loaded, Er
     if source.to_string() == TUNE {
         return Err(Error::Input(format!("{TUNE}: is a song, not a shape")));
     }
-    let loaded = watcher.watch("reading the mesh", |_| source.load(None))?;
+    let loaded = watcher.watch("reading the mesh", |_| source.load(None));
+    let loaded = loaded.map_err(|error| explained(source, error))?;
     warn_of_repairs(source, &loaded, watcher);
     Ok(loaded)
+}
+
+/// The error of reading `source`, with what may have been meant by its name.
+pub fn explained(source: &ShapeSource, error: MeshError) -> Error {
+    let Some((file, name)) = source.file().and_then(|file| Some((file, file.to_str()?))) else {
+        return error.into();
+    };
+    if SAMPLES.contains(&name) && !file.exists() {
+        return Error::Input(format!("{error}; {} is a sample", sample_path(name).display()));
+    }
+    let is_project = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("chladni"));
+    if is_project && file.is_file() {
+        return Error::Input(format!(
+            "{name}: is a caricature project, not a mesh: chladni caricature --recipe {name} makes one of it"
+        ));
+    }
+    error.into()
 }
 
 /// The mesh in the `bytes` of a file called `name`; warns of repairs. Files that it names are not there.
@@ -99,8 +117,14 @@ pub fn check_there(source: &ShapeSource, watcher: &impl Watcher) -> Result<(), E
 /// The project at `path`; warns where it was made by an older program.
 ///
 /// # Errors
-/// [`Error::Caricature`] with the file's name.
+/// [`Error::Caricature`] with the file's name, and [`Error::Input`] for a mesh.
 pub fn project(path: &Path, watcher: &impl Watcher) -> Result<Project, Error> {
+    if Format::of_path(path).is_some() && path.is_file() {
+        let path = path.display();
+        return Err(Error::Input(format!(
+            "{path}: is a mesh: chladni project new {path} -o NAME.chladni makes a project of it"
+        )));
+    }
     Ok(aged(path, Project::load(path)?, watcher))
 }
 
@@ -186,7 +210,10 @@ fn read_song(name: &Path, options: &SongOptions, watcher: &impl Watcher) -> Resu
         }
         return stretch(sample_tune(), start_secs, duration_secs);
     }
-    let mut reader = SongReader::open(name)?;
+    let mut reader = SongReader::open(name).map_err(|error| {
+        let is_meant = name.to_str() == ShapeSource::sample_name(Path::new(TUNE)) && !name.exists();
+        if is_meant { Error::Input(format!("{error}; {TUNE} is a sample")) } else { error.into() }
+    })?;
     let song = watcher.watch("decoding the song", |task| Song::read(&mut reader, options, task));
     if let Some(damage) = reader.damage() {
         watcher.warn(Warning::of(name.display(), damage));
@@ -270,6 +297,24 @@ mod tests {
         check(Path::new("sample:bell")).unwrap();
         assert!(check(&gone).unwrap_err().to_string().contains("gone.obj"));
         assert!(check(Path::new("sample:gone")).unwrap_err().to_string().contains("gone"));
+    }
+
+    #[test]
+    fn what_may_have_been_meant_is_said() {
+        let (folder, task) = (tempfile::tempdir().unwrap(), Task::new());
+        let [taken, shape] = ["p.chladni", "shape.obj"].map(|name| folder.path().join(name));
+        for path in [&taken, &shape] {
+            std::fs::write(path, "format_version = 2\n").unwrap();
+        }
+        let aside = Aside::new(&task);
+        let refused = |name: &Path| mesh(name, &aside).map(drop).unwrap_err().to_string();
+        assert!(refused(Path::new("octopus")).ends_with("; sample:octopus is a sample"));
+        assert!(!refused(Path::new("octopuses")).contains("sample:"));
+        assert!(refused(&taken).contains("is a caricature project, not a mesh"));
+        let why = project(&shape, &aside).map(drop).unwrap_err().to_string();
+        assert!(why.contains("is a mesh: chladni project new"), "{why}");
+        let why = song("tune", 0.0, None, &aside).map(drop).unwrap_err().to_string();
+        assert!(why.ends_with("; sample:tune is a sample"), "{why}");
     }
 
     #[test]

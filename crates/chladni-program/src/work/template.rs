@@ -1,7 +1,10 @@
 //! Templates: their meshes, and the match of a shape with one.
 
+use std::path::Path;
+
 use chladni_caricature::{CaricatureError, MatchRequest, Matched, Project, Template};
 use chladni_harmonics::Body;
+use chladni_match::NEAR_TIE;
 use chladni_mesh::TriMesh;
 use chladni_task::read_file;
 
@@ -12,7 +15,8 @@ use super::{Error, Warning, Watcher, source};
 /// # Errors
 /// As [`source::shape`] does.
 pub fn template_mesh(template: &Template, watcher: &impl Watcher) -> Result<Option<TriMesh>, Error> {
-    template.mesh().map(|source| source::shape(&source, watcher)).transpose()
+    let mesh = template.mesh().map(|source| source::shape(&source, watcher)).transpose();
+    mesh.map_err(|error| advised(template, error))
 }
 
 /// Checks, before any work, that a template is there to be read.
@@ -20,7 +24,18 @@ pub fn template_mesh(template: &Template, watcher: &impl Watcher) -> Result<Opti
 /// # Errors
 /// As [`template_mesh`] does.
 pub fn check_template(template: &Template, watcher: &impl Watcher) -> Result<(), Error> {
-    template.mesh().map_or(Ok(()), |source| source::check_there(&source, watcher))
+    let found = template.mesh().map_or(Ok(()), |source| source::check_there(&source, watcher));
+    found.map_err(|error| advised(template, error))
+}
+
+/// The error of a template that cannot be read; where a single word names no file, with the templates that are none.
+fn advised(template: &Template, error: Error) -> Error {
+    let is_word = |file: &Path| file.extension().is_none() && file.components().count() == 1;
+    if !error.is_cancelled() && template.file().is_some_and(|file| is_word(file) && !file.exists()) {
+        let known = "ellipsoid, sphere, sample:NAME, self:scale=0.9 and self:lowpass=20";
+        return Error::Input(format!("{error}; templates that are no files are {known}"));
+    }
+    error
 }
 
 /// The same for the templates of all layers of `project` that act.
@@ -71,7 +86,11 @@ pub fn matched_with(
 ) -> Result<Matched, CaricatureError> {
     let found = watcher.watch("matching", |task| request.run(mesh, body, template, task))?;
     for message in found.report.iter().flat_map(|report| &report.warnings) {
-        watcher.warn(Warning::of(&request.template, message));
+        watcher.warn(if message == NEAR_TIE {
+            Warning::NearTie { template: request.template.to_string() }
+        } else {
+            Warning::of(&request.template, message)
+        });
     }
     Ok(found)
 }

@@ -302,6 +302,20 @@ fn pieces_of_a_batch_are_all_of_it_and_what_is_there_stays() {
 }
 
 #[test]
+fn a_list_for_a_batch_names_what_lies_beside_it_and_is_no_mesh() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni -k 16");
+    desk.ok("project add-layer p.chladni --template self:scale=0.5");
+    std::fs::create_dir(desk.path("many")).unwrap();
+    save_mesh(&lump(1.0), &desk.path("many/a.obj")).unwrap();
+    std::fs::write(desk.path("many/list.txt"), "# one lump\na.obj\n").unwrap();
+    desk.ok("caricature --recipe p.chladni --batch many/list.txt -o out");
+    assert!(desk.path("out/a.obj").exists());
+    let said = desk.refused("caricature --recipe p.chladni --batch shape.obj -o out");
+    assert!(said.contains("shape.obj: is a mesh") && said.lines().count() == 1, "{said}");
+}
+
+#[test]
 fn bad_arguments_are_told_apart() {
     let desk = Desk::new();
     desk.ok("project new shape.obj -o good.chladni --harmonics 16");
@@ -358,6 +372,15 @@ fn bad_arguments_are_told_apart() {
         ("caricature --recipe good.chladni --batch list.txt --turn-secs 2 -o out", "--turn-secs"),
         ("caricature --recipe good.chladni --choose 3 -o out.obj", "are for --gallery"),
         ("caricature shape.obj ellipsoid --mu -1 --variant 3 -o out.obj", "are for --gallery"),
+        ("caricature shape.obj --surprise -o out.obj", "are for --gallery"),
+        ("caricature shape.obj --mu=-1,2 ellipsoid -o out.obj", "must be a number, such as -1.2"),
+        ("caricature shape.obj ellipsoid --limb ears -o out.obj", "a number that parts --level prints"),
+        ("caricature shape.obj elipsoid -o out.obj", "templates that are no files are ellipsoid, sphere"),
+        ("caricature good.chladni -o out.obj", "give it as --recipe good.chladni"),
+        ("caricature good.chladni ellipsoid -o out.obj", "a caricature project, not a mesh"),
+        ("caricature --recipe shape.obj -o out.obj", "chladni project new shape.obj"),
+        ("project show shape.obj", "chladni project new shape.obj"),
+        ("shape.obj", "is a file, not a command: chladni open shape.obj opens it"),
         ("caricature shape.obj self:lowpass=99 -k 16 -o out.obj", "a low-pass keeps is 99"),
         (
             "project add-layer good.chladni --template sphere --seed 9223372036854775808",
@@ -403,6 +426,10 @@ fn bad_arguments_are_told_apart() {
             "dance shape.obj sample:tune -o out.gif --lights moon",
             "[possible values: studio, soft, dramatic, stage]",
         ),
+        ("dance shape.obj sample:tune -o out", "movement in .glb; for a folder use --frames"),
+        ("dance shape.obj sample:tune -o out.gif --start 1:30", "a number of seconds, such as 90 or 1.5"),
+        ("spectrum sample:tune --json --duration 20s", "a number of seconds, such as 90 or 1.5"),
+        ("dance shape.obj sample:tune -o out.gif --preset shape.obj", "is a mesh: give it as MESH"),
         ("dance shape.obj sample:tune -o - --format mp4", "[possible values: rgba, y4m]"),
         // Before anything is read: what is impossible is not refused after minutes.
         ("dance absent.obj sample:tune -o out.gif --gain 99", "[0, 20]"),
@@ -431,6 +458,16 @@ fn a_region_beside_the_shape_is_told() {
     assert!(beside.status.success() && message.contains("its region holds no vertex"), "{message}");
     let on_it = desk.run(&format!("{line} 10,0,0,20"));
     assert!(!String::from_utf8(on_it.stderr).unwrap().contains("its region"));
+    desk.ok("project new shape.obj -k 16 -o p.chladni");
+    for line in ["mask shape.obj -o m.npy", "project add-layer p.chladni --template ellipsoid"] {
+        let said = |ball: &str| {
+            let run = desk.run(&format!("{line} --region {ball}"));
+            assert!(run.status.success());
+            String::from_utf8(run.stderr).unwrap()
+        };
+        assert!(said("0,0,0,0.1").contains("region holds no vertex"), "{line}");
+        assert!(!said("10,0,0,20").contains("region holds"), "{line}");
+    }
 }
 
 #[test]

@@ -144,12 +144,23 @@ fn named(folder: &Path, stem: &OsStr, extension: &OsStr) -> PathBuf {
 /// The largest list of meshes that is read.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// The meshes that a text file names, in its order; empty lines are left out.
+/// The meshes that a text file names, in its order; empty lines and comments are left out. A name that is not found from the
+/// current folder is one beside the list, as in playlists, if it is there.
 fn meshes_listed(list: &Path) -> Result<Vec<PathBuf>, Error> {
+    if Format::of_path(list).is_some() {
+        let why = "is a mesh: --batch takes a folder or a list of meshes; for one, give it as SHAPE";
+        return Err(Error::input(format_args!("{}: {why}", list.display())));
+    }
     let text = chladni_task::read_text_file(list, MOST_BYTES);
     let text = text.map_err(|error| Error::input(format_args!("{}: {error}", list.display())))?;
-    let meshes: Vec<PathBuf> =
-        text.lines().map(str::trim).filter(|line| !line.is_empty()).map(PathBuf::from).collect();
+    let folder = list.parent().unwrap_or(Path::new(""));
+    let found = |name: &str| {
+        let (mesh, beside) = (PathBuf::from(name), folder.join(name));
+        let is_beside = ShapeSource::sample_name(&mesh).is_none() && !mesh.exists() && beside.exists();
+        if is_beside { beside } else { mesh }
+    };
+    let names = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let meshes: Vec<PathBuf> = names.map(found).collect();
     if meshes.is_empty() {
         return Err(Error::input(format_args!("{}: lists no mesh", list.display())));
     }

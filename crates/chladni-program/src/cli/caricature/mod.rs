@@ -40,7 +40,8 @@ pub struct Caricature {
     shape: Option<PathBuf>,
     /// The template, to compare it with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
     /// (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c and, turned, three angles), self:scale=0.9 or self:lowpass=20.
-    #[arg(required_unless_present_any = ["recipe", "gallery"], conflicts_with = "recipe")]
+    #[arg(required_unless_present_any = ["recipe", "gallery", "choose", "variant", "surprise"],
+        conflicts_with = "recipe")]
     template: Option<Template>,
     /// Where the result goes: .obj, .ply, .stl or .glb (with a slider per layer). With --batch a
     /// folder. May be left out where --render or --turntable draws.
@@ -79,7 +80,8 @@ pub struct Caricature {
     /// A project whose layers are applied instead.
     #[arg(long, value_name = "P.chladni", conflicts_with_all = ["LayerOptions", "RegionOptions"])]
     recipe: Option<PathBuf>,
-    /// Apply the recipe to every mesh in this folder, or to those that a text file lists, one in each line.
+    /// Apply the recipe to every mesh in this folder, or to those that a text file lists, one in each line that does not
+    /// begin with #: as seen from the current folder, or else from that of the list.
     #[arg(long, value_name = "DIR|LIST", requires = "recipe", conflicts_with = "shape")]
     batch: Option<PathBuf>,
     /// Of the meshes of --batch, only piece I of N, in order of name: what many machines share (docs/scale.md).
@@ -402,7 +404,9 @@ fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
         let folded = counted(folded, "triangle", "triangles");
         terminal.result(format_args!("{name}: moves up to {by} units, {folded} folded"))?;
         if let Some(kept) = &layer.kept {
-            let (share, crossing) = (100.0 * kept.share, counted(kept.crossing, "triangle", "triangles"));
+            // Turned aside, it may move a little farther than it would have.
+            let share = 100.0 * kept.share.min(1.0);
+            let crossing = counted(kept.crossing, "triangle", "triangles");
             terminal.result(format_args!(
                 "{name}: keeps {share:.0} % of its movement, {crossing} newly crossing"
             ))?;

@@ -239,7 +239,7 @@ fn held_back(ui: &mut Ui, held: Held) -> Option<Wish> {
         theme::weak(ui, "Holding back…");
         return None;
     };
-    let text = format!("{:.0} % of the movement kept", 100.0 * kept);
+    let text = format!("{:.0} % of the movement kept", 100.0 * kept.min(1.0));
     let tip = "Mean length of the layer's displacement beside the unlimited one. Click to see where it is held back.";
     meter(ui, kept >= 0.7, &text, tip)
         .author_id("held-back")

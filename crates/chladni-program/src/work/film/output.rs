@@ -182,7 +182,8 @@ impl Output {
             Err(_) | Ok(FilmFormat::Frames) => {
                 let path = path.display();
                 Err(Error::Input(format!(
-                    "{path}: a film ends in .mp4, .gif or .png; for a folder use --frames"
+                    "{path}: a film ends in .mp4, .gif or .png, and a shape with its movement in .glb; for a folder \
+                     use --frames"
                 )))
             }
             Ok(FilmFormat::Gif) if self.piece.is_some() => Err(Error::input(
