@@ -28,7 +28,7 @@ def WKS(evals, evects, energy_list, sigma, scaled=False):
 
 def auto_HKS(evals, evects, num_T, scaled=True):
     """HKS at ``num_T`` times between 4 ln 10 / λ_K and 4 ln 10 / λ_2, evenly in their logarithm."""
-    evals, evects = _pairs(np.sort(np.abs(finite(evals, "evals"))), evects)
+    evals, evects = _sorted_pairs(evals, evects)
     _check_several(evals)
     low, high = 4 * np.log(10) / evals[-1], 4 * np.log(10) / evals[1]
     return HKS(evals, evects, np.geomspace(low, high, count(num_T, "num_T")), scaled=scaled)
@@ -37,7 +37,7 @@ def auto_HKS(evals, evects, num_T, scaled=True):
 def auto_WKS(evals, evects, num_E, scaled=True):
     """WKS at ``num_E`` energies, evenly from log λ_2 + 2σ to log λ_K - 2σ, with the width
     σ = 7 (log λ_K - log λ_2) / num_E."""
-    evals, evects = _pairs(np.sort(np.abs(finite(evals, "evals"))), evects)
+    evals, evects = _sorted_pairs(evals, evects)
     _check_several(evals)
     num_E = count(num_E, "num_E")
     low, high = np.log(evals[1]), np.log(evals[-1])
@@ -50,6 +50,14 @@ def _pairs(evals, evects):
     if evects.ndim != 2 or evects.shape[1] != len(evals) or len(evals) == 0:
         raise InputError(f"eigenvectors of the shape {evects.shape} do not belong to {len(evals)} eigenvalues")
     return evals, evects
+
+
+def _sorted_pairs(evals, evects):
+    """The pairs by their |eigenvalue|, the smallest first."""
+    evals, evects = _pairs(evals, evects)
+    evals = np.abs(evals)
+    order = np.argsort(evals, kind="stable")
+    return evals[order], evects[:, order]
 
 
 def _check_several(evals):

@@ -28,6 +28,13 @@ def test_signatures_are_the_sums_that_they_stand_for(basis):
             bad()
 
 
+def test_the_order_of_the_pairs_does_not_matter(basis):
+    w, h = basis.eigenvalues, basis.eigenvectors
+    order = np.random.default_rng(3).permutation(len(w))
+    for signature in (chladni.auto_HKS, chladni.auto_WKS):
+        assert np.allclose(signature(w[order], h[:, order], 5), signature(w, h, 5))
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_signatures_of_what_is_not_finite_are_refused(basis, bad):
     w, h = basis.eigenvalues, basis.eigenvectors

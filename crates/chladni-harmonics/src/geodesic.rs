@@ -37,11 +37,12 @@ pub struct HeatGeodesics {
 }
 
 impl HeatGeodesics {
-    /// Prepares `mesh` for a heat step of `time` mean squared edge lengths. 1 is usual; a longer step gives
-    /// smoother distances and reaches farther.
+    /// Prepares `mesh` for a heat step of `time` times the squared mean edge length of the intrinsic triangulation.
+    /// 1 is usual; a longer step gives smoother distances and reaches farther.
     ///
     /// # Errors
-    /// No usable triangle, coordinates that are not finite, an index out of range, or a `time` that is not positive.
+    /// No usable triangle, coordinates that are not finite, an index out of range, or a `time` that is not positive,
+    /// infinite, or too large to compute with.
     pub fn of(mesh: &TriMesh, time: f64) -> Result<Self, HarmonicsError> {
         let Domain { frame, positions, triangles, operator_vertex, .. } = Domain::of(mesh)?;
         let cover = delaunay_cover(&positions, &triangles, MOLLIFY)?;

@@ -28,6 +28,25 @@ fn diagonalize<R: AsRef<[f64]> + AsMut<[f64]>>(a: &mut [R], v: &mut [R]) {
     for i in 0..n {
         v[i].as_mut()[i] = 1.0;
     }
+    let largest_of = |row: &R| row.as_ref().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let largest = a.iter().map(largest_of).fold(0.0, f64::max);
+    if largest == 0.0 || largest.is_infinite() {
+        return;
+    }
+    // Squares of very large or small entries would leave the range of f64. A power of two changes no other bit.
+    let unit = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE);
+    scale(a, 1.0 / unit);
+    rotate_all(a, v);
+    scale(a, unit);
+}
+
+fn scale<R: AsMut<[f64]>>(a: &mut [R], factor: f64) {
+    a.iter_mut().for_each(|row| row.as_mut().iter_mut().for_each(|x| *x *= factor));
+}
+
+/// Sweeps of rotations until `a` is diagonal.
+fn rotate_all<R: AsRef<[f64]> + AsMut<[f64]>>(a: &mut [R], v: &mut [R]) {
+    let n = a.len();
     for _ in 0..50 {
         let mut off = 0.0;
         let mut total = 0.0;
@@ -85,6 +104,17 @@ mod tests {
                 assert!((ax - value * x[r]).abs() < 1e-14);
             }
         }
+    }
+
+    #[test]
+    fn the_size_of_the_entries_does_not_matter() {
+        let a = [[4.0, 1.0, -2.0], [1.0, 2.0, 0.5], [-2.0, 0.5, 3.0]];
+        let (values, vectors) = symmetric_eigen(a);
+        for size in [2_f64.powi(600), 2_f64.powi(-600)] {
+            let sized = symmetric_eigen(a.map(|row| row.map(|x| size * x)));
+            assert_eq!(sized, (values.map(|value| size * value), vectors));
+        }
+        assert_eq!(symmetric_eigen([[0.0; 2]; 2]), ([0.0; 2], [[1.0, 0.0], [0.0, 1.0]]));
     }
 
     #[test]

@@ -156,10 +156,36 @@ impl Playing {
         let mu = self.stereo_mu.unwrap_or(0.0);
         check("stereo-mu", mu, (0.0..=1.0).contains(&mu), "[0, 1]")?;
         if let Some(timbre) = self.timbre {
-            check("damping", timbre.damping, timbre.damping > 0.0 && timbre.damping <= 2.0, "(0, 2]")?;
-            check("tuning-hz", timbre.tuning_hz, timbre.tuning_hz > 0.0, "above 0")?;
-            check("stretch", timbre.stretch, timbre.stretch.is_finite(), "any number")?;
+            let Timbre { damping, tuning_hz, stretch, strike, hold } = timbre;
+            check("damping", damping, (0.01..=2.0).contains(&damping), "[0.01, 2]")?;
+            check("tuning-hz", tuning_hz, tuning_hz.is_finite() && tuning_hz > 0.0, "numbers above 0")?;
+            check("stretch", stretch, stretch.is_finite(), "any number")?;
+            check("strike", strike, strike.is_finite() && strike >= 0.0, "numbers from 0 on")?;
+            check("hold", hold, hold.is_finite() && hold >= 0.0, "numbers from 0 on")?;
         }
         check("detail", self.detail, (-10.0..=10.0).contains(&self.detail), "[-10, 10]")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn timbres_out_of_their_ranges_are_refused() {
+        let named = Timbre::NAMED[0].1;
+        let is_valid = |timbre| Playing { timbre: Some(timbre), ..Playing::default() }.validate().is_ok();
+        assert!(Timbre::NAMED.into_iter().all(|(_, timbre)| is_valid(timbre)));
+        for damping in [0.01, 2.0] {
+            assert!(is_valid(Timbre { damping, strike: 0.0, hold: 0.0, ..named }));
+        }
+        for bad in [f32::NAN, f32::INFINITY, -1.0] {
+            assert!(!is_valid(Timbre { damping: bad, ..named }), "{bad}");
+            assert!(!is_valid(Timbre { tuning_hz: bad, ..named }), "{bad}");
+            assert!(!is_valid(Timbre { strike: bad, ..named }), "{bad}");
+            assert!(!is_valid(Timbre { hold: bad, ..named }), "{bad}");
+        }
+        assert!(!is_valid(Timbre { damping: 0.005, ..named }));
+        assert!(!is_valid(Timbre { tuning_hz: 0.0, ..named }));
     }
 }

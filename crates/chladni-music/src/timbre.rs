@@ -15,14 +15,14 @@ pub const HIGHEST_HZ: f32 = 12.0;
 pub struct Timbre {
     /// ζ in [0.01, 2]; from 1 on nothing overshoots.
     pub damping: f32,
-    /// The frequency of the slowest harmonic, in Hz.
+    /// The frequency of the slowest harmonic, in Hz, above 0.
     pub tuning_hz: f32,
     /// Frequencies are proportional to √λ to this power: 1 is the ratio of a membrane, 0 gives all
     /// harmonics one frequency.
     pub stretch: f32,
-    /// s: a rise of the sound by 1 makes a harmonic swing about this far.
+    /// s ≥ 0: a rise of the sound by 1 makes a harmonic swing about this far.
     pub strike: f32,
-    /// h: how far a steady sound of level 1 displaces a harmonic.
+    /// h ≥ 0: how far a steady sound of level 1 displaces a harmonic.
     pub hold: f32,
 }
 

@@ -72,7 +72,7 @@ pub struct Scale {
 
 impl Scale {
     /// The range of `values`, symmetric about zero for [`ColorMap::BlueRed`]; values that are
-    /// not finite are left out, and a range of no width becomes one of width 1.
+    /// not finite are left out, and a range of no width becomes one of width 1, or wider where f32 is coarser.
     pub fn of(map: ColorMap, values: &[f32]) -> Self {
         let finite = values.iter().copied().filter(|value| value.is_finite());
         let (mut low, mut high) =
@@ -85,7 +85,8 @@ impl Scale {
             low = -high;
         }
         if low == high {
-            (low, high) = (low - 0.5, high + 0.5);
+            let half = 0.5_f32.max(low.abs() * 2.0 * f32::EPSILON);
+            (low, high) = (low - half, high + half);
         }
         Self { map, low, high }
     }
@@ -95,7 +96,7 @@ impl Scale {
         self.map.color((value - self.low) / (self.high - self.low))
     }
 
-    /// At most `most` round values between `low` and `high`, for the ticks of a legend.
+    /// At most `most` round values between `low` and `high`, for the ticks of a legend; none where `most` is below 2.
     pub fn ticks(&self, most: usize) -> Vec<f32> {
         let span = f64::from(self.high) - f64::from(self.low);
         if !(span > 0.0 && span.is_finite()) || most < 2 {
@@ -103,10 +104,16 @@ impl Scale {
         }
         let raw = span / most as f64;
         let decade = 10_f64.powf(raw.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * decade).into_iter().find(|s| *s >= raw).unwrap_or(raw);
-        let first = (f64::from(self.low) / step).ceil() as i64;
-        let last = (f64::from(self.high) / step + 1e-9).floor() as i64;
-        (first..=last).take(most + 1).map(|i| (i as f64 * step) as f32).collect()
+        // A step may leave one tick too many, where both ends of the range are round; the next does not.
+        for step in [1.0, 2.0, 5.0, 10.0, 20.0].map(|s| s * decade).into_iter().filter(|s| *s >= raw) {
+            let first = (f64::from(self.low) / step).ceil() as i64;
+            let last = (f64::from(self.high) / step + 1e-9).floor() as i64;
+            let ticks = first..=last;
+            if ticks.clone().count() <= most {
+                return ticks.map(|i| (i as f64 * step) as f32).collect();
+            }
+        }
+        Vec::new()
     }
 }
 
@@ -198,12 +205,20 @@ mod tests {
         let scale = Scale { map: ColorMap::Viridis, low: -0.13, high: 1.02 };
         assert_eq!(scale.ticks(6), [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
         assert!(Scale { low: f32::NAN, ..scale }.ticks(5).is_empty());
+        let scale = Scale { low: 0.0, high: 1.0, ..scale };
+        assert_eq!(scale.ticks(5), [0.0, 0.5, 1.0]);
+        for most in 2..40 {
+            assert!((1..=most).contains(&scale.ticks(most).len()), "{most}");
+        }
     }
 
     #[test]
     fn a_range_leaves_out_what_is_not_finite() {
         let scale = Scale::of(ColorMap::BlueRed, &[f32::NAN, -1.0, 3.0, f32::INFINITY]);
         assert_eq!((scale.low, scale.high), (-3.0, 3.0));
-        assert_eq!(Scale::of(ColorMap::Viridis, &[2.0]).color(2.0), ColorMap::Viridis.color(0.5));
+        for value in [2.0, 1e8, -1e30] {
+            let color = Scale::of(ColorMap::Viridis, &[value]).color(value);
+            assert_eq!(color, ColorMap::Viridis.color(0.5), "{value}");
+        }
     }
 }

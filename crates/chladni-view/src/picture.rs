@@ -48,6 +48,9 @@ impl Picture {
     /// The same with an `opacity` in [0, 1], by which the alpha of `other` is multiplied.
     pub fn blend(&mut self, other: &Self, x: u32, y: u32, opacity: f32) {
         let columns = other.width.min(self.width.saturating_sub(x)) as usize;
+        if columns == 0 {
+            return;
+        }
         for row in 0..other.height.min(self.height.saturating_sub(y)) {
             let from = 4 * (row as usize * other.width as usize);
             let to = 4 * ((y + row) as usize * self.width as usize + x as usize);
@@ -256,6 +259,20 @@ mod tests {
         let large = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4096 +X 8192\n";
         let error = Panorama::decode(large).unwrap_err().to_string();
         assert!(!error.contains("limit"), "{error}");
+    }
+
+    #[test]
+    fn a_picture_beyond_the_edge_is_cut_off() {
+        let (white, red) = (Picture::filled(2, 2, [255; 4]), Picture::filled(2, 2, [255, 0, 0, 255]));
+        for (x, y) in [(2, 0), (3, 1), (7, 0), (0, 2), (0, 7)] {
+            let mut picture = white.clone();
+            picture.paste(&red, x, y);
+            assert_eq!(picture, white, "{x}, {y}");
+        }
+        let mut picture = white.clone();
+        picture.paste(&red, 1, 1);
+        assert_eq!(picture.pixel(1, 1), red.pixel(0, 0));
+        assert_eq!(picture.pixel(0, 1), white.pixel(0, 0));
     }
 
     #[test]

@@ -68,7 +68,7 @@ impl ItemBuffers {
     /// graphics device queues them.
     ///
     /// # Errors
-    /// [`ViewError::Shape`] where they do not fit, or another device holds the buffers.
+    /// [`ViewError::Shape`] where they do not fit, an item is not whole, or another device holds the buffers.
     pub fn write(
         &self,
         on: impl Into<Device>,
@@ -77,9 +77,13 @@ impl ItemBuffers {
         normals: &[[f32; 3]],
     ) -> Result<(), ViewError> {
         let room = self.items.saturating_sub(item) * self.vertices;
-        if positions.len() != normals.len() || positions.len() > room {
-            let (p, n) = (positions.len(), normals.len());
+        let (p, n) = (positions.len(), normals.len());
+        if p != n || p > room || item > self.items {
             return Err(ViewError::Shape(format!("{p} positions and {n} normals where {room} have room")));
+        }
+        if !p.is_multiple_of(self.vertices) {
+            let n = self.vertices;
+            return Err(ViewError::Shape(format!("{p} positions, not a multiple of an item's {n} vertices")));
         }
         let first = item * self.vertices;
         match on.into() {
@@ -100,12 +104,51 @@ impl ItemBuffers {
     /// Takes the frame that the processor has made, and as many items as it has.
     ///
     /// # Errors
-    /// As [`write`](Self::write).
+    /// As [`write`](Self::write), and where the frame's items have another number of vertices.
     pub fn take_frame(&mut self, on: impl Into<Device>, frame: &CpuSynthesizer) -> Result<(), ViewError> {
         let device = on.into();
+        let (found, expected) = (frame.model().vertices(), self.vertices);
+        if found != expected {
+            let message = format!("a frame of items of {found} vertices where {expected} are expected");
+            return Err(ViewError::Shape(message));
+        }
         if self.items != frame.items() {
             *self = Self::new(&device, self.vertices, frame.items());
         }
         self.write(&device, 0, frame.all_positions(), frame.all_normals())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_synth::{FrameSettings, Item, SynthModel};
+
+    use super::*;
+
+    #[test]
+    fn only_whole_items_with_room_are_written() {
+        let buffers = ItemBuffers::new(Device::Processor, 2, 3);
+        let write = |item, count| {
+            let points = vec![[1.0; 3]; count];
+            buffers.write(Device::Processor, item, &points, &points)
+        };
+        for (item, count) in [(0, 6), (1, 4), (2, 0), (3, 0)] {
+            assert!(write(item, count).is_ok(), "{count} from {item} on");
+        }
+        for (item, count) in [(0, 8), (0, 3), (2, 4), (3, 2), (5, 0)] {
+            assert!(matches!(write(item, count), Err(ViewError::Shape(_))), "{count} from {item} on");
+        }
+    }
+
+    #[test]
+    fn a_frame_of_another_shape_is_refused() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let model = SynthModel::from_parts(&corners, &[[0, 1, 2]], &[1.0; 3]).unwrap();
+        let mut synthesizer = CpuSynthesizer::new(model);
+        synthesizer.synthesize(&[Item::default()], &FrameSettings::default()).unwrap();
+        for (vertices, fits) in [(3, true), (2, false), (5, false)] {
+            let mut buffers = ItemBuffers::new(Device::Processor, vertices, 1);
+            assert_eq!(buffers.take_frame(Device::Processor, &synthesizer).is_ok(), fits, "{vertices}");
+        }
     }
 }

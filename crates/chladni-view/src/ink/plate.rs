@@ -42,7 +42,7 @@ impl Plate {
     /// Makes the shape with these vertices and triangles ready. Coincident vertices should be one, or seams are drawn.
     ///
     /// `smoothing` ≥ 0 is the standard deviation, as a share of the size √(A/π), over which normals and curvatures are
-    /// averaged: 0 follows every grain of a scan. Where a mesh is finer than a hundredth of that, less.
+    /// averaged: 0 follows every grain of a scan. Where a mesh is finer than about a sixth of that, less.
     ///
     /// # Errors
     /// [`ViewError::Shape`] where a triangle names a vertex that is not there, a coordinate is not finite, or
