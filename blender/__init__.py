@@ -1,6 +1,7 @@
 """Sends a mesh to the program `chladni` and takes its layers back as shape keys."""
 
 import json
+import os
 import pathlib
 import shutil
 import subprocess
@@ -29,11 +30,20 @@ MODELS = [
 MADE = "chladni_keys"
 
 
+def absolute(preferences, _context):
+    """Makes a path from the folder of the open file absolute: elsewhere it would name another program."""
+    if preferences.program.startswith("//"):
+        preferences.program = os.path.abspath(bpy.path.abspath(preferences.program))
+
+
 class ChladniPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
     program: bpy.props.StringProperty(
-        name="Program", subtype="FILE_PATH", description="Where the program chladni is; empty: it is found on the PATH"
+        name="Program",
+        subtype="FILE_PATH",
+        description="Where the program chladni is; empty: it is found on the PATH",
+        update=absolute,
     )
 
     def draw(self, _context):
@@ -61,8 +71,14 @@ class ChladniSettings(bpy.types.PropertyGroup):
 
 
 def program(preferences):
-    """The program's path, or None."""
-    return bpy.path.abspath(preferences.program) if preferences.program else shutil.which("chladni")
+    """The program's absolute path, or None."""
+    chosen = preferences.program
+    if chosen:
+        return chosen if os.path.isabs(chosen) and not chosen.startswith("//") else None
+    # On Windows, shutil.which by itself looks first in the working folder, which may be that of a file from anywhere.
+    name = "chladni.exe" if os.name == "nt" else "chladni"
+    places = (os.path.join(folder, name) for folder in os.get_exec_path() if os.path.isabs(folder))
+    return next(filter(shutil.which, places), None)
 
 
 def polygons(mesh):

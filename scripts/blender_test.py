@@ -62,7 +62,11 @@ def the_addon_makes_shape_keys():
         sys.exit(f"FAILED: the zip cannot be installed: {error}")
     name = "bl_ext.user_default.chladni"
     check("the zip is installed as an extension", name in bpy.context.preferences.addons)
-    bpy.context.preferences.addons[name].preferences.program = str(CHLADNI)
+    preferences = bpy.context.preferences.addons[name].preferences
+    preferences.program = "//chladni"
+    is_absolute = preferences.program == os.path.abspath("chladni")
+    check("a path from the folder of the file is made absolute", is_absolute)
+    preferences.program = str(CHLADNI)
     target, settings = rock(), bpy.context.scene.chladni
     rest = places(target.data.vertices)
     settings.template, settings.model, settings.mu, settings.harmonics = "ellipsoid", "distance", -2.0, 64

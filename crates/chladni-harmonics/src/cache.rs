@@ -150,6 +150,10 @@ impl CacheEntry {
             max_relative_residual: basis.certificate.max_relative_residual,
             max_orthogonality_error: basis.certificate.max_orthogonality_error,
         };
+        // A damaged entry may be a link to a file of another kind, which stays as it is.
+        if self.path.is_symlink() {
+            fs::remove_file(&self.path).map_err(unwritten)?;
+        }
         let mut checksum = [0; blake3::OUT_LEN];
         let written = write_atomic_with(&self.path, |file| {
             let mut hash = blake3::Hasher::new();

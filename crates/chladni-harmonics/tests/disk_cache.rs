@@ -145,6 +145,24 @@ fn what_is_no_file_is_no_entry() {
     assert!(entry.is_dir() && std::fs::read_dir(folder.path()).unwrap().count() == 1);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_file_that_an_entry_links_to_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = BasisCache::new(folder.path().join("bases"));
+    let mesh = shapes::icosphere(0);
+    let build = || Body::load_or_build(&mesh, &BasisSettings::new(3), Some(&cache), &Task::new()).unwrap().1;
+    build();
+    let entry = std::fs::read_dir(cache.folder()).unwrap().next().unwrap().unwrap().path();
+    let other = folder.path().join("thesis");
+    std::fs::write(&other, "years").unwrap();
+    std::fs::remove_file(&entry).unwrap();
+    std::os::unix::fs::symlink("../thesis", &entry).unwrap();
+    assert!(!build().cached);
+    assert_eq!(std::fs::read(&other).unwrap(), b"years");
+    assert!(!entry.is_symlink() && build().cached);
+}
+
 #[test]
 fn each_laplacian_has_entries_of_its_own() {
     let folder = tempfile::tempdir().unwrap();

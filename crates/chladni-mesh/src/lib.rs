@@ -64,8 +64,8 @@ pub use mirror::{MirrorPlane, MirrorSearch, OnSurface};
 pub use orientation::{Axis, Estimate, Evidence, Known, Orientation};
 pub use proxy::Proxy;
 pub use read::{
-    Loaded, Mended, load_mesh, nothing_beside, picture_name, pictures_beside, read_mesh, read_mesh_beside,
-    read_named_mesh,
+    Loaded, Mended, load_mesh, name_within, nothing_beside, picture_name, pictures_beside, read_mesh,
+    read_mesh_beside, read_named_mesh,
 };
 pub use shape_source::ShapeSource;
 pub use surface::{Rows, Weld, total_area, vertex_neighbors, vertex_triangles, weld};

@@ -84,6 +84,26 @@ fn what_is_no_file_at_a_picture_s_name_is_left_alone() {
     assert_eq!(only_material(&path).base_color_texture.unwrap().name, "out-1-wood.png");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_library_is_not_written_through_a_link() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("other"), "not a library").unwrap();
+    for (link, target) in [("out.mtl", "other"), ("new.mtl", "nothing")] {
+        std::os::unix::fs::symlink(target, at(link)).unwrap();
+        let path = at(link).with_extension("obj");
+        fs::write(&path, format!("mtllib {link}\n{TRIANGLE}")).unwrap();
+        for base_color in [[0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]] {
+            let material = Material { base_color, ..Material::named("wood") };
+            save_mesh(&triangle_of(material), &path).unwrap();
+            assert_eq!(only_material(&path).base_color, base_color, "{link}");
+        }
+    }
+    assert_eq!(fs::read(at("other")).unwrap(), b"not a library");
+    assert!(!at("nothing").exists() && at("out-1.mtl").is_file() && !at("out-2.mtl").exists());
+}
+
 #[test]
 fn a_library_that_is_named_twice_is_read_once() {
     let folder = tempfile::tempdir().unwrap();

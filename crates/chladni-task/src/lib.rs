@@ -34,8 +34,8 @@ mod recovery;
 
 pub use alone::alone;
 pub use atomic_file::{
-    Draft, create_folder, folder_of, persist, private_folder, temporary_beside, where_it_leads, write_atomic,
-    write_atomic_private, write_atomic_with, write_new,
+    Draft, create_folder, create_private_folder, folder_of, persist, private_folder, temporary_beside,
+    where_it_leads, write_atomic, write_atomic_private, write_atomic_with, write_new,
 };
 pub use counted::counted;
 pub use other_program::{Needs, apart, other_program};

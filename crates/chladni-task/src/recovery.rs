@@ -10,7 +10,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crate::{create_folder, write_atomic_private};
+use crate::{create_private_folder, write_atomic_private};
 
 /// A copy that was written to within this time is a running program's where there are no locks.
 const AT_WORK: Duration = Duration::from_secs(60);
@@ -27,12 +27,13 @@ pub struct RecoveryCopy {
 
 impl RecoveryCopy {
     /// Begins to keep copies in `folder`, which is created if missing, under names that begin with `kind` and end with
-    /// `extension`. Programs that run at once need another `id` each, such as that of the process.
+    /// `extension`. Programs that run at once need another `id` each, such as that of the process. On Unix, only its owner
+    /// can enter the folder from then on: others could hold the locks.
     ///
     /// # Errors
     /// A folder that cannot be made or written.
     pub fn start(folder: &Path, kind: &str, extension: &str, id: u32) -> io::Result<Self> {
-        create_folder(folder)?;
+        create_private_folder(folder)?;
         for attempt in 0..1000 {
             let copy = folder.join(format!("{kind}-{id}-{attempt}.{extension}"));
             // An old copy waits to be recovered.
@@ -40,7 +41,11 @@ impl RecoveryCopy {
                 continue;
             }
             let lock = copy.with_extension("lock");
-            let held = File::options().create(true).truncate(false).write(true).open(&lock)?;
+            let mut options = File::options();
+            options.create(true).truncate(false).write(true);
+            #[cfg(unix)]
+            std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+            let held = options.open(&lock)?;
             if is_free(&held.try_lock()) {
                 return Ok(Self { copy, lock, _held: held });
             }
@@ -124,11 +129,18 @@ mod tests {
     #[test]
     fn a_copy_can_be_read_by_its_owner_alone() {
         use std::os::unix::fs::PermissionsExt;
+        let mode = |path: &Path| path.metadata().unwrap().permissions().mode() & 0o777;
         let home = tempfile::tempdir().unwrap();
-        let copy = RecoveryCopy::start(home.path(), "show", "toml", 7).unwrap();
-        for _ in 0..2 {
-            copy.keep(b"unsaved").unwrap();
-            assert_eq!(copy.path().metadata().unwrap().permissions().mode() & 0o777, 0o600);
+        let [new, old] = ["new", "old"].map(|name| home.path().join(name));
+        std::fs::create_dir(&old).unwrap();
+        std::fs::set_permissions(&old, std::fs::Permissions::from_mode(0o755)).unwrap();
+        for folder in [new, old] {
+            let copy = RecoveryCopy::start(&folder, "show", "toml", 7).unwrap();
+            assert_eq!((mode(&folder), mode(&copy.lock)), (0o700, 0o600));
+            for _ in 0..2 {
+                copy.keep(b"unsaved").unwrap();
+                assert_eq!(mode(copy.path()), 0o600);
+            }
         }
     }
 

@@ -30,16 +30,21 @@ pub(crate) fn plain_uri(uri: &str) -> Cow<'_, str> {
     if uri.starts_with("data:") { Cow::Borrowed(uri) } else { Cow::Owned(plain_name(&percent_decoded(uri))) }
 }
 
+/// The name of a file that a mesh names, with `/` between its parts, if the file is in the folder of the mesh or below;
+/// `None` elsewhere. Links are not looked at.
+pub fn name_within(name: &str) -> Option<String> {
+    let name = plain_name(name);
+    // A plain name has `..` only at its start.
+    let is_within = Path::new(&name).components().all(|part| matches!(part, Component::Normal(_)));
+    is_within.then_some(name)
+}
+
 /// Reads the file that a mesh in `folder` calls `name`. It must lie in that folder or below, links followed: a mesh may
 /// come from anywhere, and what it names may end up in what is sent on.
 pub(crate) fn read_within(folder: &Path, name: &str, most_bytes: u64) -> Result<Vec<u8>, String> {
-    let name = plain_name(name);
     let outside =
         || Err("it lies outside the folder of the mesh, which may name files in there only".to_owned());
-    // A plain name has `..` only at its start.
-    if Path::new(&name).components().any(|part| !matches!(part, Component::Normal(_))) {
-        return outside();
-    }
+    let Some(name) = name_within(name) else { return outside() };
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let read = || -> io::Result<Option<Vec<u8>>> {
         let file = folder.join(&name).canonicalize()?;

@@ -19,6 +19,7 @@ mod text;
 use std::fmt;
 use std::path::Path;
 
+pub use beside::name_within;
 pub use gltf::pictures_beside;
 pub use mtl::picture_name;
 

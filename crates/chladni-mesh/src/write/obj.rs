@@ -165,7 +165,7 @@ fn save_picture(path: &Path, stem: &str, name: &str, bytes: &[u8]) -> Result<Str
 const MOST_NUMBERS: usize = 1000;
 
 /// Puts `bytes` beside `path` under the first of `names` that is free or has them already, or that is `own`, which may be
-/// replaced; returns that name.
+/// replaced; returns that name. A link is never followed: it may have come with the mesh.
 fn save_beside(
     path: &Path,
     names: impl Iterator<Item = String>,
@@ -177,9 +177,10 @@ fn save_beside(
         let file: PathBuf = path.with_file_name(&name);
         // A file that cannot be read, such as a pipe or a longer one, is another file.
         let there = || read_file(&file, bytes.len() as u64);
+        let is_own = || own == Some(&name) && file.symlink_metadata().is_ok_and(|known| known.is_file());
         let written = match there() {
             Ok(there) if there == bytes => return Ok(name),
-            _ if own == Some(&name) => write_atomic(&file, bytes),
+            _ if is_own() => write_atomic(&file, bytes),
             Err(error) if error.kind() == ErrorKind::NotFound => write_new(&file, bytes),
             _ => Err(ErrorKind::AlreadyExists.into()),
         };

@@ -74,7 +74,7 @@ impl Terminal {
     /// If the reader closes the pipe, as `head` does, that is not a failure: the remaining work is still
     /// done.
     pub fn result(&self, line: impl Display) -> Result<(), Error> {
-        match writeln!(std::io::stdout().lock(), "{line}") {
+        match writeln!(std::io::stdout().lock(), "{}", plain(line, LAYOUT)) {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
             written => written.map_err(|error| Error::unwritten(Path::new("standard output"), error)),
         }
@@ -93,12 +93,12 @@ impl Terminal {
     /// A line for the person at the terminal, on standard error.
     pub fn note(&self, line: impl Display) {
         // If standard error is closed, there is nowhere to report it.
-        let _ = writeln!(std::io::stderr().lock(), "{line}");
+        let _ = writeln!(std::io::stderr().lock(), "{}", plain(line, LAYOUT));
     }
 
     /// The one line with which a command fails.
     pub fn error(&self, error: &Error) {
-        self.note(format_args!("chladni: {error}"));
+        self.note(format_args!("chladni: {}", plain(error, &[])));
     }
 }
 
@@ -108,7 +108,7 @@ impl Watcher for Terminal {
     }
 
     fn warn(&self, warning: Warning) {
-        self.note(format_args!("warning: {}", advised(&warning, self.takes_stance)));
+        self.note(format_args!("warning: {}", plain(advised(&warning, self.takes_stance), &[])));
     }
 
     /// Draws the progress once the part has taken over a second, if the system gives a thread for it.
@@ -126,6 +126,23 @@ impl Watcher for Terminal {
         }
         value
     }
+}
+
+/// Control characters that lay out texts of several lines.
+const LAYOUT: &[char] = &['\n', '\t'];
+
+/// The text, with control characters other than `kept` as JSON escapes them: names in a file may hold some, which would move
+/// the cursor or pass for lines of their own.
+fn plain(text: impl Display, kept: &[char]) -> String {
+    let mut plain = String::new();
+    for c in text.to_string().chars() {
+        if c.is_control() && !kept.contains(&c) {
+            plain.push_str(&format!("\\u{:04x}", u32::from(c)));
+        } else {
+            plain.push(c);
+        }
+    }
+    plain
 }
 
 /// The warning, with the way out that the command offers.
@@ -172,6 +189,17 @@ fn draw_progress(label: &str, task: &Task, done: &AtomicBool) {
 mod tests {
     use super::*;
     use chladni_mesh::Orientation;
+
+    #[test]
+    fn names_in_files_move_no_cursor_and_make_no_lines() {
+        let name = "a\u{1b}[2J\nwrote b\u{9b}é…\t";
+        assert_eq!(plain(name, &[]), "a\\u001b[2J\\u000awrote b\\u009bé…\\u0009");
+        assert_eq!(plain(name, LAYOUT), "a\\u001b[2J\nwrote b\\u009bé…\t");
+        // JSON stays JSON.
+        let json = serde_json::to_string_pretty(&[name]).unwrap();
+        let read: [String; 1] = serde_json::from_str(&plain(&json, LAYOUT)).unwrap();
+        assert_eq!(read, [name]);
+    }
 
     #[test]
     fn only_commands_that_have_options_for_the_stance_advise_them() {

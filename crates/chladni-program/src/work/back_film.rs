@@ -52,7 +52,8 @@ impl BackFilm {
     /// One line, where ffmpeg is not there or finds no film in the file.
     pub fn open(name: &str, longest_side: usize) -> Result<Self, Error> {
         let path = PathBuf::from(name);
-        std::fs::metadata(&path).map_err(|why| Error::Input(format!("{name}: {why}")))?;
+        // ffmpeg would wait for the writer of a pipe.
+        chladni_task::open_file(&path).map_err(|why| Error::Input(format!("{name}: {why}")))?;
         let matrix = matrix_of(&path);
         let mut decoder = Decoder::begin(&path, longest_side, matrix)?;
         let mut picture = Picture { width: 0, height: 0, rgba: Vec::new() };
@@ -309,6 +310,13 @@ mod tests {
         let mut alone = ffmpeg();
         alone.args(["-nostdin", "-loglevel", "error", "-i"]).arg(&script).args(["-f", "null", "-"]);
         assert!(alone.status().unwrap().success());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_refused_without_ffmpeg() {
+        let Err(error) = BackFilm::open("/dev/null", LONGEST_SIDE) else { panic!("a film") };
+        assert!(error.to_string().ends_with("a device or a pipe, not a file"), "{error}");
     }
 
     #[test]

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf, is_separator};
 
 use chladni_caricature::Template;
 use chladni_mesh::{
-    Format, Material, ShapeSource, Texture, TriMesh, check_glb, far_center, picture_name, pictures_beside,
+    Format, Material, ShapeSource, Texture, TriMesh, check_glb, far_center, name_within, picture_name,
+    pictures_beside,
 };
 use chladni_task::{folder_of, read_file};
 use chladni_view::film::frame_path;
@@ -180,22 +181,21 @@ pub fn check_apart(path: &Path, inputs: &[&Path]) -> Result<(), Error> {
 }
 
 /// Checks that a picture written to `path` replaces none that `mesh`, which was read from the file `shape`, names: its
-/// textures lie beside it.
+/// textures lie beside it. Files that it names elsewhere are not touched, not even to ask whether they are there.
 ///
 /// # Errors
 /// [`Error::Input`], with the path.
 pub fn check_no_texture(path: &Path, shape: &Path, mesh: &TriMesh) -> Result<(), Error> {
     let folder = folder_of(shape);
-    // Names from Windows have backslashes.
-    let beside = |name: &str| folder.join(name.replace('\\', "/"));
     // One that a GLB holds itself may have the name of any file.
-    let is_file = |texture: &Texture| {
-        let there = || read_file(&beside(&texture.name), texture.bytes.len() as u64);
-        texture.bytes.is_empty() || there().is_ok_and(|there| *there == *texture.bytes)
+    let is_file = |name: &str, bytes: &[u8]| {
+        let there = || read_file(&folder.join(name), bytes.len() as u64);
+        bytes.is_empty() || there().is_ok_and(|there| there == bytes)
     };
+    let own_name =
+        |texture: &Texture| name_within(&texture.name).filter(|name| is_file(name, &texture.bytes));
     let names = |material: &Material| {
-        let color = material.base_color_texture.iter().filter(|texture| is_file(texture));
-        let color = color.map(|texture| texture.name.clone());
+        let color = material.base_color_texture.iter().filter_map(own_name);
         let others = material.other_statements.iter().filter_map(|statement| other_picture(statement));
         color.chain(others.flatten()).collect::<Vec<_>>()
     };
@@ -205,8 +205,9 @@ pub fn check_no_texture(path: &Path, shape: &Path, mesh: &TriMesh) -> Result<(),
     } else {
         Vec::new()
     };
+    let of_gltf = of_gltf.iter().filter_map(|name| name_within(name));
     for name in mesh.appearance.materials.iter().flat_map(names).chain(of_gltf) {
-        check_apart(path, &[&beside(&name)])?;
+        check_apart(path, &[&folder.join(name)])?;
     }
     Ok(())
 }
@@ -281,7 +282,7 @@ pub fn rounded_in_stl(mesh: &TriMesh) -> Option<Warning> {
 pub fn left_pictures(source: &Path, mesh: &TriMesh, path: &Path) -> Option<Warning> {
     let is_left =
         |name: &String| folder_of(source).join(name).is_file() && !folder_of(path).join(name).is_file();
-    let left = |statement: &String| other_picture(statement)?.into_iter().find(is_left);
+    let left = |statement: &String| other_picture(statement)?.find(is_left);
     let statements = mesh.appearance.materials.iter().flat_map(|material| &material.other_statements);
     let named = listed(&statements.filter_map(left).collect())?;
     let source = source.display();
@@ -291,14 +292,14 @@ pub fn left_pictures(source: &Path, mesh: &TriMesh, path: &Path) -> Option<Warni
     ))
 }
 
-/// The picture that a statement of an OBJ's material names, if it is one that names any, with `/` between the parts: the
-/// name may hold blanks, or be the last word, after options that are not known.
-fn other_picture(statement: &str) -> Option<[String; 2]> {
+/// The picture beside an OBJ that a statement of its material names, if it is one that names any, with `/` between the
+/// parts: the name may hold blanks, or be the last word, after options that are not known.
+fn other_picture(statement: &str) -> Option<impl Iterator<Item = String>> {
     let (keyword, rest) = statement.split_once(char::is_whitespace)?;
     let is_picture =
         keyword.starts_with("map_") || ["bump", "norm", "disp", "decal", "refl"].contains(&keyword);
     let names = [picture_name(rest), rest.split_whitespace().next_back()?];
-    is_picture.then(|| names.map(|name| name.replace('\\', "/")))
+    is_picture.then(|| names.into_iter().filter_map(name_within))
 }
 
 /// A warning where `glb`, made of the glTF file `source`, names pictures that it does not hold: they are not there, or of an
@@ -423,6 +424,24 @@ mod tests {
         }
         let apart = pictures_apart(Path::new("m.gltf"), gltf.as_bytes()).unwrap().to_string();
         assert_eq!(apart, "m.gltf: names my bump.png and 1 more, which the GLB does not hold");
+    }
+
+    #[test]
+    fn pictures_outside_the_folder_of_a_shape_are_not_looked_for() {
+        let home = tempfile::tempdir().unwrap();
+        let (outside, shape) = (home.path().join("x.png"), home.path().join("mesh/m.obj"));
+        std::fs::create_dir(home.path().join("mesh")).unwrap();
+        std::fs::write(&outside, "").unwrap();
+        let mut mesh = chladni_mesh::samples::icosphere(0);
+        for name in ["../x.png".to_owned(), "..\\x.png".to_owned(), outside.display().to_string()] {
+            let texture = Texture { name: name.clone(), bytes: b"".as_slice().into() };
+            let other_statements = vec![format!("map_Bump {name}")];
+            let material =
+                Material { base_color_texture: Some(texture), other_statements, ..Material::named("skin") };
+            mesh.appearance.materials = vec![material];
+            assert_eq!(left_pictures(&shape, &mesh, &home.path().join("out/m.obj")), None, "{name}");
+            assert!(check_no_texture(&outside, &shape, &mesh).is_ok(), "{name}");
+        }
     }
 
     #[test]

@@ -29,7 +29,8 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// macOS that cannot be flushed.
 ///
 /// If `write` fails or the process dies, `path` is unchanged; a temporary file that a killed process left is removed by
-/// a later one that saves in the same folder. If `path` is a link, its target is replaced.
+/// a later one that saves in the same folder. If `path` is a link, its target is replaced, unless [another user put it
+/// there](where_it_leads).
 /// On Unix, only its owner can read the temporary file; in the end it takes the permissions of the file that it replaces, or those
 /// that the system gives new files. The folder of `path` must exist.
 ///
@@ -133,13 +134,16 @@ impl Seek for Draft<'_> {
     }
 }
 
-/// The final target of the links at `path`; `path` itself if it is not a link or the links form a loop.
+/// The final target of the links at `path`; `path` itself if it is not a link or the links form a loop. On Unix, a link that
+/// another user put into a folder like `/tmp`, where everybody may write, is not followed.
 pub fn where_it_leads(path: &Path) -> PathBuf {
     let mut end = path.to_owned();
     for _ in 0..40 {
         match std::fs::read_link(&end) {
-            Ok(target) => end = end.parent().unwrap_or(Path::new("")).join(target),
-            Err(_) => return end,
+            Ok(target) if permissions::may_follow(&end, folder_of(&end)) => {
+                end = end.parent().unwrap_or(Path::new("")).join(target);
+            }
+            _ => return end,
         }
     }
     path.to_owned()
@@ -152,6 +156,17 @@ pub fn where_it_leads(path: &Path) -> PathBuf {
 /// A folder cannot be made; see [`write_atomic_with`] for the advice. [`io::ErrorKind::AlreadyExists`] if `path` is something else.
 pub fn create_folder(path: &Path) -> io::Result<()> {
     make_folders(&Disk, path).map_err(advised)
+}
+
+/// As [`create_folder`], but on Unix only its owner can enter the folder from then on, also where it was there. On a file
+/// system that cannot do this, it stays open.
+///
+/// # Errors
+/// As [`create_folder`].
+pub fn create_private_folder(path: &Path) -> io::Result<()> {
+    create_folder(path)?;
+    permissions::shut_others_out(path);
+    Ok(())
 }
 
 fn make_folders(system: &dyn System, path: &Path) -> io::Result<()> {
@@ -294,5 +309,26 @@ mod tests {
         symlink("elsewhere/q.chladni", folder.path().join("q")).unwrap();
         write_atomic(&folder.path().join("q"), b"first").unwrap();
         assert_eq!(std::fs::read(folder.path().join("q")).unwrap(), b"first");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_of_another_user_in_a_shared_folder_is_replaced_and_not_followed() {
+        use std::fs::Permissions;
+        use std::os::unix::fs::{PermissionsExt, lchown, symlink};
+        let home = tempfile::tempdir().unwrap();
+        let (shared, target) = (home.path().join("shared"), home.path().join("target"));
+        let link = shared.join("link");
+        std::fs::create_dir(&shared).unwrap();
+        std::fs::set_permissions(&shared, Permissions::from_mode(0o1777)).unwrap();
+        symlink("../target", &link).unwrap();
+        write_atomic(&link, b"own").unwrap();
+        assert_eq!(std::fs::read(&target).unwrap(), b"own");
+        // Only root can give a link away.
+        if lchown(&link, Some(4321), None).is_ok() {
+            write_atomic(&link, b"new").unwrap();
+            assert_eq!(std::fs::read(&target).unwrap(), b"own");
+            assert_eq!(std::fs::read(&link).unwrap(), b"new");
+        }
     }
 }

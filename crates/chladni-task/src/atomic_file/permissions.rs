@@ -64,6 +64,42 @@ pub fn private_folder(prefix: &str, parent: &Path) -> io::Result<TempDir> {
     builder.tempdir_in(parent)
 }
 
+/// Lets only its owner enter a folder, if the file system can.
+#[cfg(unix)]
+pub(super) fn shut_others_out(folder: &Path) {
+    use std::os::unix::fs::PermissionsExt;
+    if std::fs::metadata(folder).is_ok_and(|known| known.permissions().mode() & 0o077 != 0) {
+        let _ = std::fs::set_permissions(folder, std::fs::Permissions::from_mode(0o700));
+    }
+}
+
+#[cfg(not(unix))]
+pub(super) fn shut_others_out(_folder: &Path) {}
+
+/// Whether the link at `link` in `folder` may be followed. Linux itself does not follow those that may not
+/// (`fs.protected_symlinks`), but says where they lead.
+#[cfg(unix)]
+pub(super) fn may_follow(link: &Path, folder: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let (Ok(link), Ok(around)) = (link.symlink_metadata(), folder.metadata()) else { return false };
+    // A new file belongs to the user of this process.
+    let own = || Some(tempfile::tempfile_in(folder).ok()?.metadata().ok()?.uid());
+    is_trusted(link.uid(), (around.uid(), around.mode()), own)
+}
+
+#[cfg(not(unix))]
+pub(super) fn may_follow(_link: &Path, _folder: &Path) -> bool {
+    true
+}
+
+/// Whether a link with this owner is followed in a folder with this owner and mode: where everybody may write, it must
+/// belong to the user, whose number is `own`, or to the folder's owner.
+#[cfg(unix)]
+fn is_trusted(owner: u32, (around, mode): (u32, u32), own: impl FnOnce() -> Option<u32>) -> bool {
+    const STICKY_AND_WRITABLE: u32 = 0o1002;
+    mode & STICKY_AND_WRITABLE != STICKY_AND_WRITABLE || owner == around || own() == Some(owner)
+}
+
 #[cfg(all(test, unix))]
 #[allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 mod tests {
@@ -119,6 +155,13 @@ mod tests {
         assert_eq!(mode(file.path()), 0o600);
         persist(file, &path).unwrap();
         assert_eq!(mode(&path), mode(&made));
+    }
+
+    #[test]
+    fn links_of_others_are_not_trusted_where_everybody_writes() {
+        let is_trusted = |owner, mode| is_trusted(owner, (0, mode), || Some(7));
+        assert!(is_trusted(7, 0o41777) && is_trusted(0, 0o41777) && !is_trusted(8, 0o41777));
+        assert!(is_trusted(8, 0o40755) && is_trusted(8, 0o40777) && is_trusted(8, 0o41775));
     }
 
     #[test]

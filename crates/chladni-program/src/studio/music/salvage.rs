@@ -24,10 +24,11 @@ impl Note {
     /// Notes that something is recorded in `recording`.
     pub fn write(recovery: &Path, recording: &Path) -> io::Result<Self> {
         let notes = recovery.join(NOTES);
-        chladni_task::create_folder(&notes)?;
+        chladni_task::create_private_folder(recovery)?;
+        chladni_task::create_private_folder(&notes)?;
         let recording = std::path::absolute(recording)?;
         let note = notes.join(recording.file_name().unwrap_or_default());
-        chladni_task::write_atomic(&note, recording.as_os_str().as_encoded_bytes())?;
+        chladni_task::write_atomic_private(&note, recording.as_os_str().as_encoded_bytes())?;
         Ok(Self(note))
     }
 
@@ -166,6 +167,18 @@ mod tests {
         std::fs::remove_dir(&recording).unwrap();
         assert!(find(&recovery.join(NOTES)).is_empty());
         assert_eq!(notes(), 0);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_note_can_be_read_by_its_owner_alone() {
+        use std::os::unix::fs::PermissionsExt;
+        let home = tempfile::tempdir().unwrap();
+        let recovery = home.path().join("recovery");
+        let note = Note::write(&recovery, &home.path().join(".chladni-abc")).unwrap();
+        let paths = [&recovery, &recovery.join(NOTES), &note.0];
+        let modes = paths.map(|path| path.metadata().unwrap().permissions().mode() & 0o777);
+        assert_eq!(modes, [0o700, 0o700, 0o600]);
     }
 
     #[test]
