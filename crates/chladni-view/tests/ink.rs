@@ -109,6 +109,63 @@ fn what_is_drawn_of_a_ring_is_what_the_eye_grazes_first() {
 }
 
 #[test]
+fn the_contour_of_a_cube_is_one_closed_line_around_what_is_seen_of_it() {
+    let positions: Vec<Vec3> = (0..8).map(|i| [0, 1, 2].map(|k| f64::from((i >> k) & 1) - 0.5)).collect();
+    let quads: [[u32; 4]; 6] =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let plate = Plate::new(&positions, &triangles, Plate::SMOOTHING).unwrap();
+    for yaw_rad in [0.0, 0.6, 2.0] {
+        let camera = Camera { distance: 4.0, yaw_rad, pitch_rad: 0.4, ..Camera::default() };
+        let strokes = plate.strokes(&BARE, &camera, CELL);
+        assert_eq!(strokes.len(), 1, "{yaw_rad}");
+        let points = &strokes[0].points;
+        assert_eq!(points[0].at, points[points.len() - 1].at);
+        let cross = |[a, b]: [[f64; 2]; 2]| 0.5 * (a[0] * b[1] - a[1] * b[0]);
+        let around: f64 = points.windows(2).map(|p| cross([p[0].at, p[1].at])).sum();
+        let is_hit = |x: u32, y: u32| {
+            let ray = camera.ray((CELL.x + x) as f32 + 0.5, (CELL.y + y) as f32 + 0.5, CELL);
+            let ends = (0..3).map(|i| {
+                let [a, b] = [-0.5, 0.5].map(|side| (side - ray.origin[i]) / ray.direction[i]);
+                [a.min(b), a.max(b)]
+            });
+            let both = ends.fold([0.0, f32::INFINITY], |[low, high], [a, b]| [low.max(a), high.min(b)]);
+            both[0] < both[1]
+        };
+        let seen = (0..CELL.height).flat_map(|y| (0..CELL.width).map(move |x| (x, y)));
+        let seen = seen.filter(|(x, y)| is_hit(*x, *y)).count() as f64;
+        assert!((around.abs() / seen - 1.0).abs() < 0.01, "{around} around {seen} pixels at {yaw_rad}");
+    }
+}
+
+#[test]
+fn a_slit_in_a_sheet_is_drawn_only_where_it_is_long() {
+    let n = 60_u32;
+    let at = |i: u32| f64::from(i) / f64::from(n) - 0.5;
+    let strokes = |slit: std::ops::Range<u32>| {
+        let grid = (0..=n).flat_map(|j| (0..=n).map(move |i| [at(i), 0.0, at(j)]));
+        let mut positions: Vec<Vec3> = grid.collect();
+        let row = n / 2;
+        // The triangles beyond the slit have vertices of their own along it.
+        let own = positions.len() as u32;
+        positions.extend(slit.clone().map(|i| [at(i), 0.0, at(row)]));
+        let cells = (0..n).flat_map(|j| (0..n).map(move |i| [i, j]));
+        let triangles = cells.flat_map(|[i, j]| {
+            let corner = |i: u32, k: u32| {
+                if k == row && j == row && slit.contains(&i) { own + i - slit.start } else { k * (n + 1) + i }
+            };
+            let [a, b, c, d] = [corner(i, j), corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j)];
+            [[a, b, c], [a, c, d]]
+        });
+        let plate = Plate::new(&positions, &triangles.collect::<Vec<_>>(), Plate::SMOOTHING).unwrap();
+        let camera = Camera { distance: 2.5, pitch_rad: 0.9, ..Camera::default() };
+        plate.strokes(&BARE, &camera, CELL).len()
+    };
+    // The border of the sheet, and beside it the slit.
+    assert_eq!([strokes(30..30), strokes(30..32), strokes(15..45)], [1, 1, 2]);
+}
+
+#[test]
 fn furrows_and_edges_are_drawn_where_they_are_seen() {
     // A washboard: valleys at multiples of ½, ridges between, along z.
     let n = 120_u32;

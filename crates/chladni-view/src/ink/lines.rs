@@ -18,7 +18,7 @@ pub(super) struct Line {
 pub(super) struct LinePoint {
     pub at: Vec3,
     pub normal: Vec3,
-    /// How much it says: it is drawn from ½ on where it reaches 1 nearby.
+    /// How much it says, or 0 for what is measured later: it is drawn from ½ on where it reaches 1 nearby.
     pub strength: f64,
     /// A factor of its width.
     pub weight: f64,
@@ -29,12 +29,15 @@ const SUGGESTIVE: f64 = 90.0;
 /// How sharp valleys and ridges must be, in 1 / size.
 const VALLEY: f64 = 14.0;
 const RIDGE: f64 = 26.0;
+/// How far across a border must be to be drawn even where it lies on other parts of the surface, as a share of the
+/// size: slits in scans are smaller.
+const SEAM: f64 = 0.1;
 
 /// All lines of a plate as it is seen.
 pub(super) fn lines(sight: &Sight<'_>, ink: &Ink) -> Vec<Line> {
     let seen = Seen::new(sight);
-    let mut lines = seen.contours();
-    lines.extend(borders(sight));
+    let mut lines = contours(sight);
+    lines.extend(seams(sight));
     if ink.detail > 0.0 {
         lines.extend(seen.suggestive(ink.detail));
         lines.extend(seen.creases(Mark::Valley, 1, VALLEY / ink.detail));
@@ -75,14 +78,6 @@ impl<'a, 'b> Seen<'a, 'b> {
         let point = |on: &EdgePoint| line_point(self.sight, on, strength(on));
         let lines = zero_lines(&self.sight.plate.triangles, values);
         lines.iter().map(|line| Line { mark, points: line.iter().map(point).collect() }).collect()
-    }
-
-    /// ⟨n, v⟩ = 0. Where the surface is hollow along the line of sight, it hides its own contour.
-    fn contours(&self) -> Vec<Line> {
-        let hollow = -8.0 / self.sight.plate.size;
-        let strength =
-            |on: &EdgePoint| f64::from(u8::from(on.number(|v| self.radial[v as usize].1) > hollow));
-        self.traced(Mark::Contour, |_, t| Some(t.map(|v| self.facing[v as usize])), strength)
     }
 
     /// κ_r = 0 where D_w κ_r > 0 (DeCarlo et al., "Suggestive contours for conveying shape", 2003), fading
@@ -159,14 +154,58 @@ fn line_point(sight: &Sight<'_>, on: &EdgePoint, strength: f64) -> LinePoint {
     LinePoint { at: on.mixed(|v| plate.positions[v as usize]), normal, strength, weight }
 }
 
-/// The edges at which the surface ends.
-fn borders(sight: &Sight<'_>) -> Vec<Line> {
+/// Edges that have all their triangles on one side on paper: where the surface turns away, or ends. How much they say
+/// is measured where they are seen: [`Sight::step`].
+fn contours(sight: &Sight<'_>) -> Vec<Line> {
+    let plate = sight.plate;
+    let places: Vec<Option<[f64; 2]>> = plate.positions.par_iter().map(|p| sight.project(*p)).collect();
+    let side = |([a, b], across): &([u32; 2], u32)| {
+        let [Some(a), Some(b), Some(c)] = [*a, *b, *across].map(|v| places[v as usize]) else { return 0.0 };
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    };
+    let folds = plate.edges.chunk_by(|a, b| a.0 == b.0).filter(|triangles| {
+        triangles.iter().all(|t| side(t) >= 0.0) || triangles.iter().all(|t| side(t) <= 0.0)
+    });
+    let folds: Vec<[u32; 2]> = folds.map(|triangles| triangles[0].0).collect();
+    // Where more than two meet, the first two go together: those that are seen.
+    let is_seen = |edge: &[u32; 2]| {
+        let [Some(a), Some(b)] = edge.map(|v| places[v as usize]) else { return false };
+        let [p, q] = edge.map(|v| plate.positions[v as usize]);
+        let middle = std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+        sight.step(scaled(add(p, q), 0.5), middle, way(a, b)) >= 0.5
+    };
+    let (mut edges, hidden): (Vec<_>, Vec<_>) = folds.into_par_iter().partition(is_seen);
+    edges.extend(hidden);
+    chains(sight, &edges, 0.0)
+}
+
+/// The borders of larger pieces of the surface, such as the panels of a car.
+fn seams(sight: &Sight<'_>) -> Vec<Line> {
+    let plate = sight.plate;
+    let alone = plate.edges.chunk_by(|a, b| a.0 == b.0).filter(|triangles| triangles.len() == 1);
+    let edges: Vec<[u32; 2]> = alone.map(|triangles| triangles[0].0).collect();
+    let mut lines = chains(sight, &edges, 1.0);
+    lines.retain(|line| {
+        let mut from_first = line.points.iter().map(|point| length(sub(point.at, line.points[0].at)));
+        from_first.any(|far| far >= SEAM * plate.size)
+    });
+    lines
+}
+
+/// Edges as contours, from vertex to vertex.
+fn chains(sight: &Sight<'_>, edges: &[[u32; 2]], strength: f64) -> Vec<Line> {
     let vertex = |v: u32| EdgePoint { ends: [v, v], along: 0.0 };
-    let edges: Vec<[EdgePoint; 2]> = sight.plate.borders.iter().map(|edge| edge.map(vertex)).collect();
-    let point = |on: &EdgePoint| line_point(sight, on, 1.0);
+    let edges: Vec<[EdgePoint; 2]> = edges.iter().map(|edge| edge.map(vertex)).collect();
+    let point = |on: &EdgePoint| line_point(sight, on, strength);
     let line =
         |chain: Vec<EdgePoint>| Line { mark: Mark::Contour, points: chain.iter().map(point).collect() };
     chained(&edges).into_iter().map(line).collect()
+}
+
+/// Unit from `a` to `b` on paper; zero where they are one.
+pub(super) fn way([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    let l = (a - c).hypot(b - d);
+    if l > 0.0 { [(c - a) / l, (d - b) / l] } else { [0.0; 2] }
 }
 
 /// Where a point lies between two.

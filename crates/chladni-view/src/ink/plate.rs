@@ -2,8 +2,8 @@
 
 use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, scaled, single, sub};
 use chladni_mesh::surface::{
-    Principal, Rows, Tensor, averaged, averaged_curvature, averaging_passes, boundary_vertices,
-    facing_outward, vertex_areas, vertex_gradients, vertex_neighbors, vertex_triangles,
+    Principal, Rows, Tensor, averaged, averaged_curvature, averaging_passes, facing_outward, vertex_areas,
+    vertex_gradients, vertex_neighbors, vertex_triangles,
 };
 use rayon::prelude::*;
 
@@ -22,8 +22,8 @@ pub struct Plate {
     pub(super) slopes: [Vec<f64>; 2],
     /// Curvatures without sign, averaged far: where hatching goes.
     pub(super) grain: Vec<Tensor>,
-    /// Edges with one triangle.
-    pub(super) borders: Vec<[u32; 2]>,
+    /// Each edge and the vertex across from it, for each of its triangles, in order.
+    pub(super) edges: Vec<([u32; 2], u32)>,
     /// √(A / π), the diameter of the ball with as much surface.
     pub(super) size: f64,
     /// A factor of each vertex' line width.
@@ -80,7 +80,7 @@ impl Plate {
         let grain = averaged(grain, &neighbors, &areas, averaging_passes(&areas, GRAIN));
         let single = single(positions);
         let tree = PickTree::new(&single, triangles);
-        let borders = borders(n, triangles);
+        let edges = edges(triangles);
         Ok(Self {
             positions: positions.to_vec(),
             triangles: outward,
@@ -90,7 +90,7 @@ impl Plate {
             principal,
             slopes,
             grain,
-            borders,
+            edges,
             size,
             weights: None,
             single,
@@ -132,16 +132,11 @@ fn volume(positions: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
     triangles.iter().map(wedge).sum()
 }
 
-fn borders(vertices: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
-    let open = boundary_vertices(vertices, triangles);
-    let sides = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    let mut edges: Vec<[u32; 2]> = triangles
-        .iter()
-        .flat_map(sides)
-        .filter(|e| e.iter().all(|v| open[*v as usize]))
-        .map(|[a, b]| [a.min(b), a.max(b)])
-        .collect();
+fn edges(triangles: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
+    let sides = |&[a, b, c]: &[u32; 3]| [([a, b], c), ([b, c], a), ([c, a], b)];
+    let ordered = |([a, b], c): ([u32; 2], u32)| ([a.min(b), a.max(b)], c);
+    let all = triangles.iter().flat_map(sides).map(ordered);
+    let mut edges: Vec<([u32; 2], u32)> = all.filter(|([a, b], _)| a < b).collect();
     edges.sort_unstable();
-    let alone = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
-    alone.map(|same| same[0]).collect()
+    edges
 }

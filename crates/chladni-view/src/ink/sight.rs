@@ -24,10 +24,10 @@ pub(super) struct Sight<'a> {
 /// How far from the surface visibility is tested, as a share of the size: more than a triangle's sagitta, less than
 /// the distance of anything that could lie before it.
 const CLEARANCE: f64 = 0.004;
-/// Contours are drawn on the averaged surface. Where it hardly bends along the line of sight, the exact surface may
-/// rise just in front of its contour. So a blocker nearer than the first share of the size hides a contour only if it
-/// also rises higher than the second.
-const BEFORE_CONTOUR: [f64; 2] = [0.2, 0.012];
+/// How far beside a contour the surface is looked at, in units of paper.
+const BESIDE: f64 = 1.5;
+/// How far behind it that must lie to make it a contour, as a share of the size.
+const BEHIND: f64 = 0.03;
 
 impl<'a> Sight<'a> {
     pub fn new(plate: &'a Plate, camera: &Camera, cell: Rect) -> Self {
@@ -62,23 +62,33 @@ impl<'a> Sight<'a> {
         (depth > 0.0).then(|| [corner[0] + 0.5 * w + x * scale, corner[1] + 0.5 * h - y * scale])
     }
 
-    /// Whether nothing lies between the viewer and `p`, a point of the surface with this normal that may lie on a
-    /// contour.
-    pub fn sees(&self, p: Vec3, normal: Vec3, contour: bool) -> bool {
+    /// Whether nothing lies between the viewer and `p`, a point of the surface with this normal.
+    pub fn sees(&self, p: Vec3, normal: Vec3) -> bool {
         let toward = self.toward(p);
         let normal = if dot(normal, toward) < 0.0 { scaled(normal, -1.0) } else { normal };
-        let [near, high] = BEFORE_CONTOUR.map(|share| share * self.plate.size);
+        let clearance = CLEARANCE * self.plate.size;
         // Things behind the eye hide nothing.
         let eye = match self.camera.projection {
             Projection::Perspective => length(sub(self.eye, p)),
-            _ => f64::INFINITY,
+            Projection::Orthographic => f64::INFINITY,
         };
-        let hidden =
-            |clearance: f64| self.blocked(p, normal, toward, clearance).filter(|far| *far < eye + clearance);
-        match hidden(CLEARANCE * self.plate.size) {
-            None => true,
-            Some(before) => contour && before < near && hidden(high).is_none(),
-        }
+        self.blocked(p, normal, toward, clearance).is_none_or(|far| far >= eye + clearance)
+    }
+
+    /// How far behind `p`, a point of a line that passes `at` in direction `along` on paper, lies what is seen beside
+    /// it, on the side where that is farther off: from 1 on it is a contour. Negative where it is hidden.
+    pub fn step(&self, p: Vec3, at: [f64; 2], along: [f64; 2]) -> f64 {
+        let behind = [-BESIDE, BESIDE].map(|beside| {
+            let beside = beside * self.unit;
+            let ray = self.camera.ray(
+                (at[0] - beside * along[1]) as f32,
+                (at[1] + beside * along[0]) as f32,
+                self.cell,
+            );
+            let hit = self.plate.tree.pick(&ray, &self.plate.single, &self.plate.triangles);
+            hit.map_or(f64::INFINITY, |hit| dot(sub(p, hit.point(&ray).map(f64::from)), self.axes[2]))
+        });
+        behind[0].max(behind[1]) / (BEHIND * self.plate.size)
     }
 
     /// Whether nothing lies in a direction (unit) from a point of the surface, on the side of `normal`.

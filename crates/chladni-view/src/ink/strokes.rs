@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::lines::{Line, LinePoint, between, smooth_step};
+use super::lines::{Line, LinePoint, between, smooth_step, way};
 use super::sight::Sight;
 use super::{Ink, Mark, Stroke, StrokePoint};
 
@@ -15,12 +15,15 @@ const STEP: f64 = 2.0;
 const GAP: [f64; 2] = [20.0, 6.0];
 /// of the shortest strokes that are kept, outside and inside,
 const SHORT: [f64; 2] = [12.0, 24.0];
-/// between strokes' ends that are joined,
-const JOIN: f64 = 7.0;
+/// between strokes' ends that are joined, outside and inside: where one leads into the other, and in any case,
+const JOIN: [f64; 2] = [12.0, 7.0];
+const MEET: [f64; 2] = [6.0, 2.0];
 /// between two strokes that would show the same, outside and inside,
 const SAME: [f64; 2] = [3.0, 5.0];
 /// and over which a stroke's width falls off to its ends.
 const TAPER: f64 = 26.0;
+/// The cosine of the turn up to which ends are joined, outside and inside.
+const TURN: [f64; 2] = [0.5, 0.8];
 /// How often places are averaged with their neighbors'.
 const SMOOTHINGS: usize = 6;
 /// How far a simplified stroke lies from the traced one at most, in pixels.
@@ -43,19 +46,32 @@ pub(super) fn visible(sight: &Sight<'_>, ink: &Ink, lines: Vec<Line>) -> Vec<Str
             seen_runs(line.mark, samples, sight.unit).into_iter().map(|run| (line.mark, run)).collect()
         })
         .collect();
-    let mut runs: Vec<(Mark, Vec<Sample>)> = runs.into_iter().flatten().collect();
-    // Strokes are drawn by mark, the longest first; lines beside an earlier one are left out.
-    runs.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.len().cmp(&a.1.len())));
-    let runs = without_doubles(runs, sight.unit);
-    let runs = joined(runs, JOIN * sight.unit);
+    // Contours of a scan are in crumbs before they are joined.
+    let mut runs = joined(by_length(runs.into_iter().flatten().collect()), sight.unit);
+    runs.retain(|(mark, run)| says(*mark, run, sight.unit));
+    // Lines beside an earlier one are left out.
+    let runs = without_doubles(by_length(runs), sight.unit);
+    let runs = joined(runs, sight.unit);
     runs.into_iter().filter_map(|(mark, run)| stroke(sight, ink, mark, run)).collect()
+}
+
+/// Sorted as they are drawn: by mark, the longest first.
+fn by_length(mut runs: Vec<(Mark, Vec<Sample>)>) -> Vec<(Mark, Vec<Sample>)> {
+    runs.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.len().cmp(&a.1.len())));
+    runs
+}
+
+/// Whether a run is long and strong enough.
+fn says(mark: Mark, run: &[Sample], unit: f64) -> bool {
+    let least = SHORT[usize::from(mark != Mark::Contour)] * unit;
+    extent(run) >= least && run.iter().any(|s| s.seen && s.on.strength >= 1.0)
 }
 
 /// Places on the line, evenly spaced on paper; a line that goes behind the eye ends there.
 fn sampled(sight: &Sight<'_>, line: &Line) -> Vec<Sample> {
     let sample = |on: LinePoint, at: [f64; 2]| {
         let inside = sight.cell.contains(at[0] as f32, at[1] as f32);
-        Sample { at, on, seen: inside && sight.sees(on.at, on.normal, line.mark == Mark::Contour) }
+        Sample { at, on, seen: inside && (line.mark == Mark::Contour || sight.sees(on.at, on.normal)) }
     };
     let mut samples: Vec<Sample> = Vec::new();
     let Some(first) = line.points.first() else { return samples };
@@ -70,6 +86,15 @@ fn sampled(sight: &Sight<'_>, line: &Line) -> Vec<Sample> {
             if i < steps || samples.last().is_none_or(|last| apart(last.at, at) > 0.5 * STEP * sight.unit) {
                 samples.push(sample(on, at));
             }
+        }
+    }
+    if line.mark == Mark::Contour {
+        let places: Vec<[f64; 2]> = samples.iter().map(|s| s.at).collect();
+        let last = places.len().saturating_sub(1);
+        for (i, Sample { at, on, .. }) in samples.iter_mut().enumerate().filter(|(_, s)| s.seen) {
+            let along = way(places[i.saturating_sub(2)], places[(i + 2).min(last)]);
+            let border = if on.strength > 0.0 && sight.sees(on.at, on.normal) { on.strength } else { 0.0 };
+            on.strength = sight.step(on.at, *at, along).max(border);
         }
     }
     if line.points.len() > 3 && line.points.first().map(|p| p.at) == line.points.last().map(|p| p.at) {
@@ -90,7 +115,7 @@ fn close(samples: &mut Vec<Sample>, step: f64) {
     samples.extend(samples.first().copied());
 }
 
-/// The pieces of a line that are seen and strong enough, without short gaps and short bits.
+/// The pieces of a line that are seen and strong enough, without short gaps; inside, without short bits.
 fn seen_runs(mark: Mark, samples: Vec<Sample>, unit: f64) -> Vec<Vec<Sample>> {
     let drawn: Vec<bool> = samples.iter().map(|s| s.seen && s.on.strength >= 0.5).collect();
     let inside = usize::from(mark != Mark::Contour);
@@ -102,9 +127,8 @@ fn seen_runs(mark: Mark, samples: Vec<Sample>, unit: f64) -> Vec<Vec<Sample>> {
             _ => pieces.push(piece),
         }
     }
-    let least = SHORT[inside] * unit;
-    let says = |run: &[Sample]| extent(run) >= least && run.iter().any(|s| s.seen && s.on.strength >= 1.0);
-    pieces.into_iter().map(|piece| samples[piece].to_vec()).filter(|run| says(run)).collect()
+    let kept = |run: &[Sample]| if inside == 0 { run.len() > 1 } else { says(mark, run, unit) };
+    pieces.into_iter().map(|piece| samples[piece].to_vec()).filter(|run| kept(run)).collect()
 }
 
 fn apart([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
@@ -113,12 +137,6 @@ fn apart([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
 
 fn extent(run: &[Sample]) -> f64 {
     run.windows(2).map(|pair| apart(pair[0].at, pair[1].at)).sum()
-}
-
-/// Unit from `a` to `b`; zero where they are one.
-fn way([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
-    let l = apart([a, b], [c, d]);
-    if l > 0.0 { [(c - a) / l, (d - b) / l] } else { [0.0; 2] }
 }
 
 fn dot([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
@@ -158,7 +176,8 @@ fn without_doubles(runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<
     let mut occupied = Occupied { side: SAME[0].max(SAME[1]) * unit, ..Occupied::default() };
     let mut kept = Vec::with_capacity(runs.len());
     for (mark, run) in runs {
-        let near = SAME[usize::from(mark != Mark::Contour)] * unit;
+        let inside = usize::from(mark != Mark::Contour);
+        let near = SAME[inside] * unit;
         let last = run.len() - 1;
         let along: Vec<[f64; 2]> =
             (0..=last).map(|i| way(run[i.saturating_sub(1)].at, run[(i + 1).min(last)].at)).collect();
@@ -175,7 +194,7 @@ fn without_doubles(runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<
             occupied.put(run[past].at, along[past]);
         }
         // A line that only meets or crosses another goes on, and no scraps are left.
-        for (kind, least) in [(false, 3.0 * near), (true, SHORT[1] * unit * 0.6)] {
+        for (kind, least) in [(false, 3.0 * near), (true, SHORT[inside] * unit * 0.6)] {
             for piece in ranges(&drawn).into_iter().filter(|(like, _)| *like == kind).map(|(_, piece)| piece)
             {
                 if extent(&run[piece.clone()]) < least && piece.len() < run.len() {
@@ -200,17 +219,17 @@ fn ranges(values: &[bool]) -> Vec<(bool, Range<usize>)> {
     values.chunk_by(|a, b| a == b).map(range).collect()
 }
 
-/// Joins pieces of the same kind whose ends meet and go on in the same direction, the longest first.
-fn joined(mut runs: Vec<(Mark, Vec<Sample>)>, near: f64) -> Vec<(Mark, Vec<Sample>)> {
+/// Joins pieces of the same kind whose ends meet and go on in the same direction, the longest first, the nearest to it.
+fn joined(mut runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<Sample>)> {
     let mut i = 0;
     while i < runs.len() {
         let (mark, own) = (runs[i].0, &runs[i].1);
-        let next = (i + 1..runs.len()).find_map(|j| {
-            let (other_mark, other) = &runs[j];
-            (*other_mark == mark).then(|| fit(own, other, near).map(|how| (j, how)))?
-        });
+        let others = runs.iter().enumerate().skip(i + 1).filter(|(_, (other, _))| *other == mark);
+        let next = others
+            .filter_map(|(j, (_, other))| fit(mark, own, other, unit).map(|(gap, how)| (j, gap, how)))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
         match next {
-            Some((j, [turn_own, turn_other])) => {
+            Some((j, _, [turn_own, turn_other])) => {
                 let (_, mut other) = runs.remove(j);
                 let own = &mut runs[i].1;
                 if turn_own {
@@ -223,7 +242,8 @@ fn joined(mut runs: Vec<(Mark, Vec<Sample>)>, near: f64) -> Vec<(Mark, Vec<Sampl
             }
             None => {
                 let own = &mut runs[i].1;
-                let around = own.len() > 12 && fit(own, own, near) == Some([false, false]);
+                let closes = |(gap, turns): (f64, [bool; 2])| gap > 0.0 && turns == [false, false];
+                let around = own.len() > 12 && fit(mark, own, own, unit).is_some_and(closes);
                 own.extend(own.first().copied().filter(|_| around));
                 i += 1;
             }
@@ -232,9 +252,10 @@ fn joined(mut runs: Vec<(Mark, Vec<Sample>)>, near: f64) -> Vec<(Mark, Vec<Sampl
     runs
 }
 
-/// Whether, turned or not, the end of `a` leads into the beginning of `b`.
-fn fit(a: &[Sample], b: &[Sample], near: f64) -> Option<[bool; 2]> {
+/// Whether, turned or not, the end of `a` leads into the beginning of `b`, and over how wide a gap.
+fn fit(mark: Mark, a: &[Sample], b: &[Sample], unit: f64) -> Option<(f64, [bool; 2])> {
     const LOOK_BACK: usize = 4;
+    let inside = usize::from(mark != Mark::Contour);
     // The place of an end and the way out of it.
     let end = |run: &[Sample], last: bool| {
         let n = run.len() - 1;
@@ -245,10 +266,11 @@ fn fit(a: &[Sample], b: &[Sample], near: f64) -> Option<[bool; 2]> {
             (run[0].at, way(run[back].at, run[0].at))
         }
     };
-    [[false, false], [false, true], [true, false], [true, true]].into_iter().find(|[turn_a, turn_b]| {
-        let ((p, out), (q, toward)) = (end(a, !turn_a), end(b, *turn_b));
+    [[false, false], [false, true], [true, false], [true, true]].into_iter().find_map(|turns| {
+        let ((p, out), (q, toward)) = (end(a, !turns[0]), end(b, turns[1]));
         let gap = apart(p, q);
-        gap < near && dot(out, toward) < -0.8 && (gap < 0.3 * near || dot(out, way(p, q)) > 0.7)
+        let leads = gap < MEET[inside] * unit || dot(out, way(p, q)) > TURN[inside] - 0.1;
+        (gap < JOIN[inside] * unit && dot(out, toward) < -TURN[inside] && leads).then_some((gap, turns))
     })
 }
 
@@ -270,7 +292,8 @@ fn stroke(sight: &Sight<'_>, ink: &Ink, mark: Mark, run: Vec<Sample>) -> Option<
             Some(*sum)
         }))
         .collect();
-    let whole = lengths.last().copied()?;
+    // Smoothed, what went to and fro is short.
+    let whole = lengths.last().copied().filter(|whole| *whole >= SHORT[0] * sight.unit)?;
     let taper = (TAPER * sight.unit).min(0.4 * whole);
     let pen = ink.pen_px(sight.cell);
     let share = match mark {
