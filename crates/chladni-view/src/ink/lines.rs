@@ -159,23 +159,27 @@ fn line_point(sight: &Sight<'_>, on: &EdgePoint, strength: f64) -> LinePoint {
 fn contours(sight: &Sight<'_>) -> Vec<Line> {
     let plate = sight.plate;
     let places: Vec<Option<[f64; 2]>> = plate.positions.par_iter().map(|p| sight.project(*p)).collect();
-    let side = |([a, b], across): &([u32; 2], u32)| {
-        let [Some(a), Some(b), Some(c)] = [*a, *b, *across].map(|v| places[v as usize]) else { return 0.0 };
-        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-    };
-    let folds = plate.edges.chunk_by(|a, b| a.0 == b.0).filter(|triangles| {
-        triangles.iter().all(|t| side(t) >= 0.0) || triangles.iter().all(|t| side(t) <= 0.0)
-    });
-    let folds: Vec<[u32; 2]> = folds.map(|triangles| triangles[0].0).collect();
-    // Where more than two meet, the first two go together: those that are seen.
-    let is_seen = |edge: &[u32; 2]| {
-        let [Some(a), Some(b)] = edge.map(|v| places[v as usize]) else { return false };
+    // Each, and whether it is seen; none behind the eye.
+    let fold = |triangles: &[([u32; 2], u32)]| {
+        let (edge, _) = *triangles.first()?;
+        let [Some(a), Some(b)] = edge.map(|v| places[v as usize]) else { return None };
+        let side = |(_, across): &([u32; 2], u32)| {
+            let Some(c) = places[*across as usize] else { return 0.0 };
+            (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        };
+        let is_fold = triangles.iter().all(|t| side(t) >= 0.0) || triangles.iter().all(|t| side(t) <= 0.0);
+        if !is_fold {
+            return None;
+        }
         let [p, q] = edge.map(|v| plate.positions[v as usize]);
         let middle = std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
-        sight.step(scaled(add(p, q), 0.5), middle, way(a, b)) >= 0.5
+        Some((edge, sight.step(scaled(add(p, q), 0.5), middle, way(a, b)) >= 0.5))
     };
-    let (mut edges, hidden): (Vec<_>, Vec<_>) = folds.into_par_iter().partition(is_seen);
-    edges.extend(hidden);
+    let mut folds: Vec<([u32; 2], bool)> =
+        plate.edges.par_chunk_by(|a, b| a.0 == b.0).filter_map(fold).collect();
+    // Where more than two meet, the first two go together: those that are seen.
+    folds.sort_by_key(|(_, is_seen)| !is_seen);
+    let edges: Vec<[u32; 2]> = folds.into_iter().map(|(edge, _)| edge).collect();
     chains(sight, &edges, 0.0)
 }
 
@@ -282,6 +286,18 @@ mod tests {
     fn rise(across: f64, around: f64, toward: Vec3) -> f64 {
         let ([a, b], along) = (slope(across, around, toward), known(across, around, toward).along);
         a * along[0] + b * along[1]
+    }
+
+    #[test]
+    fn nothing_behind_the_eye_is_a_contour() {
+        let plate = ring();
+        // In the hole, where a part of the ring is behind.
+        let camera = Camera { distance: 0.2, ..Camera::default() };
+        let sight = Sight::new(&plate, &camera, Rect::of_size(800, 800));
+        let lines = contours(&sight);
+        let points: Vec<Vec3> = lines.iter().flat_map(|line| &line.points).map(|point| point.at).collect();
+        assert!(points.len() > 40, "{} points", points.len());
+        assert!(points.iter().all(|p| sight.project(*p).is_some()));
     }
 
     /// DeCarlo et al. 2003: where the radial curvature is 0 and rises toward the viewer. On a ring it is

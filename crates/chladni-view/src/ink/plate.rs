@@ -137,6 +137,6 @@ fn edges(triangles: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
     let ordered = |([a, b], c): ([u32; 2], u32)| ([a.min(b), a.max(b)], c);
     let all = triangles.iter().flat_map(sides).map(ordered);
     let mut edges: Vec<([u32; 2], u32)> = all.filter(|([a, b], _)| a < b).collect();
-    edges.sort_unstable();
+    edges.par_sort_unstable();
     edges
 }

@@ -143,37 +143,47 @@ fn dot([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
     a * c + b * d
 }
 
-/// Where strokes are on paper, by squares.
-#[derive(Default)]
-struct Occupied {
+/// Things on paper, by squares.
+struct Squares<T> {
     side: f64,
-    /// Places and directions.
-    places: HashMap<[i64; 2], Vec<[[f64; 2]; 2]>>,
+    things: HashMap<[i64; 2], Vec<T>>,
 }
 
-impl Occupied {
+impl<T> Squares<T> {
+    fn new(side: f64) -> Self {
+        Self { side, things: HashMap::new() }
+    }
+
     fn square(&self, at: [f64; 2]) -> [i64; 2] {
         at.map(|x| (x / self.side).floor() as i64)
     }
 
-    fn put(&mut self, at: [f64; 2], along: [f64; 2]) {
-        self.places.entry(self.square(at)).or_default().push([at, along]);
+    fn put(&mut self, at: [f64; 2], thing: T) {
+        self.things.entry(self.square(at)).or_default().push(thing);
     }
 
+    /// All that are nearer to `at` than a square's side, and some that are not.
+    fn around(&self, at: [f64; 2]) -> impl Iterator<Item = &T> {
+        let [x, y] = self.square(at);
+        let squares = (x - 1..=x + 1).flat_map(move |x| (y - 1..=y + 1).map(move |y| [x, y]));
+        squares.filter_map(move |square| self.things.get(&square)).flatten()
+    }
+}
+
+/// Places of strokes and their directions there.
+type Occupied = Squares<[[f64; 2]; 2]>;
+
+impl Occupied {
     /// Whether another stroke passes in the same direction nearer than `near`, at most a square's side.
     fn has_like(&self, at: [f64; 2], along: [f64; 2], near: f64) -> bool {
-        let [x, y] = self.square(at);
-        let squares = (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).map(move |y| [x, y]));
-        squares
-            .filter_map(|square| self.places.get(&square))
-            .flatten()
+        self.around(at)
             .any(|[place, direction]| apart(at, *place) < near && dot(along, *direction).abs() > 0.8)
     }
 }
 
 /// Leaves out where a line runs beside one that was drawn before, or beside itself.
 fn without_doubles(runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<Sample>)> {
-    let mut occupied = Occupied { side: SAME[0].max(SAME[1]) * unit, ..Occupied::default() };
+    let mut occupied = Occupied::new(SAME[0].max(SAME[1]) * unit);
     let mut kept = Vec::with_capacity(runs.len());
     for (mark, run) in runs {
         let inside = usize::from(mark != Mark::Contour);
@@ -187,11 +197,11 @@ fn without_doubles(runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<
         for i in 0..=last {
             drawn.push(!occupied.has_like(run[i].at, along[i], near));
             if let Some(past) = i.checked_sub(behind).filter(|past| drawn[*past]) {
-                occupied.put(run[past].at, along[past]);
+                occupied.put(run[past].at, [run[past].at, along[past]]);
             }
         }
         for past in (run.len().saturating_sub(behind)..run.len()).filter(|past| drawn[*past]) {
-            occupied.put(run[past].at, along[past]);
+            occupied.put(run[past].at, [run[past].at, along[past]]);
         }
         // A line that only meets or crosses another goes on, and no scraps are left.
         for (kind, least) in [(false, 3.0 * near), (true, SHORT[inside] * unit * 0.6)] {
@@ -220,57 +230,62 @@ fn ranges(values: &[bool]) -> Vec<(bool, Range<usize>)> {
 }
 
 /// Joins pieces of the same kind whose ends meet and go on in the same direction, the longest first, the nearest to it.
-fn joined(mut runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<Sample>)> {
-    let mut i = 0;
-    while i < runs.len() {
-        let (mark, own) = (runs[i].0, &runs[i].1);
-        let others = runs.iter().enumerate().skip(i + 1).filter(|(_, (other, _))| *other == mark);
-        let next = others
-            .filter_map(|(j, (_, other))| fit(mark, own, other, unit).map(|(gap, how)| (j, gap, how)))
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        match next {
-            Some((j, _, [turn_own, turn_other])) => {
-                let (_, mut other) = runs.remove(j);
-                let own = &mut runs[i].1;
-                if turn_own {
-                    own.reverse();
-                }
-                if turn_other {
-                    other.reverse();
-                }
-                own.append(&mut other);
-            }
-            None => {
-                let own = &mut runs[i].1;
-                let closes = |(gap, turns): (f64, [bool; 2])| gap > 0.0 && turns == [false, false];
-                let around = own.len() > 12 && fit(mark, own, own, unit).is_some_and(closes);
-                own.extend(own.first().copied().filter(|_| around));
-                i += 1;
-            }
+fn joined(runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<Sample>)> {
+    // Noisy scans have thousands of pieces: only those with an end nearby are compared.
+    let mut ends = Squares::new(JOIN[0].max(JOIN[1]) * unit);
+    for (j, (_, run)) in runs.iter().enumerate() {
+        for end in [run.first(), run.last()].into_iter().flatten() {
+            ends.put(end.at, j);
         }
     }
-    runs
+    let mut left: Vec<Option<(Mark, Vec<Sample>)>> = runs.into_iter().map(Some).collect();
+    let mut joined = Vec::new();
+    for i in 0..left.len() {
+        let Some((mark, mut own)) = left[i].take() else { continue };
+        loop {
+            let nearby = [own.first(), own.last()].into_iter().flatten().flat_map(|end| ends.around(end.at));
+            let fits = nearby.filter_map(|&j| {
+                let (_, other) = left[j].as_ref().filter(|(other, _)| *other == mark)?;
+                fit(mark, &own, other, unit).map(|(gap, turns)| (j, gap, turns))
+            });
+            let next = fits.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+            let Some((j, _, [turn_own, turn_other])) = next else { break };
+            let Some((_, mut other)) = left[j].take() else { break };
+            if turn_own {
+                own.reverse();
+            }
+            if turn_other {
+                other.reverse();
+            }
+            own.append(&mut other);
+        }
+        let closes = |(gap, turns): (f64, [bool; 2])| gap > 0.0 && turns == [false, false];
+        let around = own.len() > 12 && fit(mark, &own, &own, unit).is_some_and(closes);
+        own.extend(own.first().copied().filter(|_| around));
+        joined.push((mark, own));
+    }
+    joined
 }
 
 /// Whether, turned or not, the end of `a` leads into the beginning of `b`, and over how wide a gap.
 fn fit(mark: Mark, a: &[Sample], b: &[Sample], unit: f64) -> Option<(f64, [bool; 2])> {
     const LOOK_BACK: usize = 4;
     let inside = usize::from(mark != Mark::Contour);
-    // The place of an end and the way out of it.
+    // The place of an end, and one a little before it.
     let end = |run: &[Sample], last: bool| {
         let n = run.len() - 1;
         let back = LOOK_BACK.min(n);
-        if last {
-            (run[n].at, way(run[n - back].at, run[n].at))
-        } else {
-            (run[0].at, way(run[back].at, run[0].at))
-        }
+        if last { (run[n].at, run[n - back].at) } else { (run[0].at, run[back].at) }
     };
     [[false, false], [false, true], [true, false], [true, true]].into_iter().find_map(|turns| {
-        let ((p, out), (q, toward)) = (end(a, !turns[0]), end(b, turns[1]));
+        let ((p, before), (q, after)) = (end(a, !turns[0]), end(b, turns[1]));
         let gap = apart(p, q);
+        if gap >= JOIN[inside] * unit {
+            return None;
+        }
+        let (out, toward) = (way(before, p), way(after, q));
         let leads = gap < MEET[inside] * unit || dot(out, way(p, q)) > TURN[inside] - 0.1;
-        (gap < JOIN[inside] * unit && dot(out, toward) < -TURN[inside] && leads).then_some((gap, turns))
+        (dot(out, toward) < -TURN[inside] && leads).then_some((gap, turns))
     })
 }
 
@@ -355,4 +370,44 @@ fn deviation(p: &StrokePoint, a: &StrokePoint, b: &StrokePoint) -> f64 {
     let t = if squared > 0.0 { (dot(d, e) / squared).clamp(0.0, 1.0) } else { 0.0 };
     let place = std::array::from_fn(|i| a.at[i] + t * d[i]);
     apart(p.at, place).max((p.width - (a.width + t * (b.width - a.width))).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    const CRUMBS: usize = 60;
+
+    /// Six samples from each sixtieth of a circle, with a gap after it, every third piece backward.
+    fn crumb(piece: usize) -> Vec<Sample> {
+        let sample = |k: usize| {
+            let angle = TAU * (piece as f64 + k as f64 / 7.0) / CRUMBS as f64;
+            let at = [300.0 * angle.cos(), 300.0 * angle.sin()];
+            let on = LinePoint { at: [0.0; 3], normal: [0.0; 3], strength: 1.0, weight: 1.0 };
+            Sample { at, on, seen: true }
+        };
+        let run = (0..6).map(sample);
+        if piece.is_multiple_of(3) { run.rev().collect() } else { run.collect() }
+    }
+
+    #[test]
+    fn crumbs_of_a_circle_become_one_closed_run_in_any_order() {
+        let runs: Vec<(Mark, Vec<Sample>)> =
+            (0..CRUMBS).map(|i| (Mark::Contour, crumb(i * 23 % CRUMBS))).collect();
+        let joined = joined(runs, 1.0);
+        assert_eq!(joined.len(), 1);
+        let (_, circle) = &joined[0];
+        assert_eq!(circle.len(), 6 * CRUMBS + 1);
+        assert_eq!(circle[0].at, circle[6 * CRUMBS].at);
+        let widest = circle.windows(2).map(|pair| apart(pair[0].at, pair[1].at)).fold(0.0, f64::max);
+        assert!(widest < 10.0, "{widest}");
+    }
+
+    #[test]
+    fn only_lines_of_one_kind_are_joined() {
+        let runs = vec![(Mark::Contour, crumb(1)), (Mark::Valley, crumb(2)), (Mark::Contour, crumb(3))];
+        let kinds: Vec<Mark> = joined(runs, 1.0).into_iter().map(|(mark, _)| mark).collect();
+        assert_eq!(kinds, [Mark::Contour, Mark::Valley, Mark::Contour]);
+    }
 }
