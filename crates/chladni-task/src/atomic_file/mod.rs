@@ -97,7 +97,8 @@ fn add(system: &dyn System, path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 fn finish(system: &dyn System, file: NamedTempFile, path: &Path, readers: Readers) -> io::Result<()> {
-    let replaced = std::fs::metadata(path).ok();
+    // A link that is still here is not followed.
+    let replaced = std::fs::symlink_metadata(path).ok().filter(|known| !known.is_symlink());
     // Without this check, the rename would replace a device by a regular file.
     if replaced.as_ref().is_some_and(|known| !known.is_file()) {
         let why = "it is a folder, a device or a pipe, which no file takes the place of";
@@ -315,7 +316,7 @@ mod tests {
     #[test]
     fn a_link_of_another_user_in_a_shared_folder_is_replaced_and_not_followed() {
         use std::fs::Permissions;
-        use std::os::unix::fs::{PermissionsExt, lchown, symlink};
+        use std::os::unix::fs::{MetadataExt, PermissionsExt, lchown, symlink};
         let home = tempfile::tempdir().unwrap();
         let (shared, target) = (home.path().join("shared"), home.path().join("target"));
         let link = shared.join("link");
@@ -326,9 +327,13 @@ mod tests {
         assert_eq!(std::fs::read(&target).unwrap(), b"own");
         // Only root can give a link away.
         if lchown(&link, Some(4321), None).is_ok() {
+            let (plain, mode) = (shared.join("plain"), |path: &Path| path.metadata().unwrap().mode());
+            std::fs::write(&plain, "").unwrap();
+            std::fs::set_permissions(&target, Permissions::from_mode(0o606)).unwrap();
             write_atomic(&link, b"new").unwrap();
             assert_eq!(std::fs::read(&target).unwrap(), b"own");
             assert_eq!(std::fs::read(&link).unwrap(), b"new");
+            assert_eq!(mode(&link), mode(&plain));
         }
     }
 }
