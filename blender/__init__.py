@@ -42,14 +42,14 @@ class ChladniPreferences(bpy.types.AddonPreferences):
     program: bpy.props.StringProperty(
         name="Program",
         subtype="FILE_PATH",
-        description="Where the program chladni is; empty: it is found on the PATH",
+        description="The absolute path of the program chladni; empty: it is found on the PATH",
         update=absolute,
     )
 
     def draw(self, _context):
         self.layout.prop(self, "program")
         if not program(self):
-            self.layout.label(text="No program chladni on the PATH: say where it is", icon="ERROR")
+            self.layout.label(text=f"{why_missing(self)}: give its absolute path", icon="ERROR")
 
 
 class ChladniSettings(bpy.types.PropertyGroup):
@@ -79,6 +79,11 @@ def program(preferences):
     name = "chladni.exe" if os.name == "nt" else "chladni"
     places = (os.path.join(folder, name) for folder in os.get_exec_path() if os.path.isabs(folder))
     return next(filter(shutil.which, places), None)
+
+
+def why_missing(preferences):
+    """Why there is no path of the program."""
+    return "The path of chladni is not absolute" if preferences.program else "No program chladni on the PATH"
 
 
 def polygons(mesh):
@@ -249,9 +254,10 @@ class ChladniCaricature(bpy.types.Operator):
         return True
 
     def begin(self, context):
-        path = program(context.preferences.addons[__package__].preferences)
+        preferences = context.preferences.addons[__package__].preferences
+        path = program(preferences)
         if not path:
-            self.report({"ERROR"}, "No program chladni on the PATH: the add-on's preferences say where it is")
+            self.report({"ERROR"}, f"{why_missing(preferences)}: set its absolute path in the preferences")
             return None
         try:
             return Work(context.object, context.scene.chladni, path)

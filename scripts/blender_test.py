@@ -66,8 +66,10 @@ def the_addon_makes_shape_keys():
     preferences.program = "//chladni"
     is_absolute = preferences.program == os.path.abspath("chladni")
     check("a path from the folder of the file is made absolute", is_absolute)
-    preferences.program = str(CHLADNI)
     target, settings = rock(), bpy.context.scene.chladni
+    preferences.program = "chladni"
+    check("a path that is not absolute is called so", "not absolute" in refused())
+    preferences.program = str(CHLADNI)
     rest = places(target.data.vertices)
     settings.template, settings.model, settings.mu, settings.harmonics = "ellipsoid", "distance", -2.0, 64
     check("it runs", bpy.ops.object.chladni_caricature() == {"FINISHED"})
