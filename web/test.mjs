@@ -1,5 +1,6 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|beats|shows|returns|haste|beginnings|films|microphone|caricature|tools|ways|access|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
+// node web/test.mjs PAGE OUT [music|beats|shows|returns|haste|beginnings|films|microphone|caricature|tools|ways|access|
+// models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
 import * as access from "./tests/access.mjs";
 import { browser, stop } from "./tests/driver.mjs";
 import * as card from "./tests/card.mjs";

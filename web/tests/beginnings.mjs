@@ -18,7 +18,8 @@ export async function beginnings() {
     page.on("pageerror", (error) => wrong.push(error.message));
     await page.addInitScript(holdsBack);
     // The plate has to be solved for; with a song, the tune comes late.
-    await page.addInitScript((holds) => { window.missing = "plate.body"; window.holds = holds; }, brings ? "sample:" : "prepare");
+    const holds = brings ? "sample:" : "prepare";
+    await page.addInitScript((holds) => { window.missing = "plate.body"; window.holds = holds; }, holds);
     await page.goto(address);
     await until(page, (least) => window.heldBack?.() >= least, brings ? 2 : 1);
     if (brings) {
@@ -26,7 +27,8 @@ export async function beginnings() {
       await songIs(page, "clicks.wav");
       await release(page);
       await page.waitForTimeout(5000);
-      assert.deepEqual([await songNow(page), await page.evaluate(() => Math.round(window.chladni.sound.duration))], ["clicks.wav", 30], "the tune does not take its place");
+      const secs = await page.evaluate(() => Math.round(window.chladni.sound.duration));
+      assert.deepEqual([await songNow(page), secs], ["clicks.wav", 30], "the tune does not take its place");
     } else await page.click("#enter");
     await dances(page, "sample:octopus");
     await until(page, () => window.chladni.sound.duration > 0);
@@ -58,7 +60,9 @@ export async function slowly() {
   const context = await browser.newContext({ viewport: LAPTOP, serviceWorkers: "block" });
   const page = await context.newPage();
   const held = new Map();
-  await page.route(/chladni_web_bg\.wasm|octopus\.body/, (route) => { held.set(route.request().url().split("/").at(-1), route); });
+  await page.route(/chladni_web_bg\.wasm|octopus\.body/, (route) => {
+    held.set(route.request().url().split("/").at(-1), route);
+  });
   const comes = async (name) => {
     for (let i = 0; i < 300 && !held.has(name); i++) await page.waitForTimeout(100);
     return held.get(name);
@@ -68,7 +72,8 @@ export async function slowly() {
   const rests = (id) => page.evaluate((id) => document.getElementById(id).matches(":disabled, [inert]"), id);
   assert.ok(await page.isVisible("#loading"));
   for (const id of ["enter", "exaggerate", "bring", "hold-still"]) assert.ok(await rests(id), id);
-  const stays = await page.evaluate(() => !document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true })));
+  const stays = await page.evaluate(() =>
+    !document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true })));
   assert.ok(stays, "a file that is dropped does not take the page's place");
   await module.continue();
   await page.click("#enter");
@@ -76,7 +81,8 @@ export async function slowly() {
   // The octopus is on its way.
   const octopus = await comes("octopus.body");
   // Unless the plate was faster than the press.
-  assert.ok(await rests("breed") || await page.evaluate(() => !!window.chladni.state), "what needs a shape rests until there is one");
+  const hasShape = () => page.evaluate(() => !!window.chladni.state);
+  assert.ok(await rests("breed") || await hasShape(), "what needs a shape rests until there is one");
   for (const id of ["open", "more", "play"]) assert.ok(!await rests(id), id);
   await octopus.continue();
   await dances(page, "sample:octopus");
@@ -90,7 +96,8 @@ export async function slowly() {
   await page.unrouteAll();
   await page.route(/\/wall\.js/, (route) => route.abort());
   await page.goto(`${address}?again`);
-  await until(page, () => document.getElementById("loading").textContent === "A part of the page did not come: open it again.");
+  await until(page, () =>
+    document.getElementById("loading").textContent === "A part of the page did not come: open it again.");
   await page.goto(pathToFileURL(join(folder, "index.html")).href);
   await until(page, () => document.getElementById("loading").textContent.startsWith("This page needs a file server"));
   await context.close();
