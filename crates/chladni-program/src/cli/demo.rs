@@ -12,8 +12,9 @@ use super::ink::InkOptions;
 use super::portrait::{self, Portrait};
 use super::sheet::SheetOptions;
 use crate::work::film::{self, Beginning, Film, Output};
+use crate::work::formats::TUNE;
 use crate::work::outputs::check_folders;
-use crate::work::source::{self, TUNE};
+use crate::work::source;
 use crate::work::{Error, Watcher, body, make, make_folder};
 
 /// Make a caricature and a dancing clip from the samples.

@@ -193,8 +193,10 @@ fn misplaced(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
             let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else {
                 return None;
             };
-            let is_file = Path::new(name).is_file();
-            is_file.then(|| format!("{name} is a file, not a command: chladni open {name} opens it"))
+            // Below `project` one of its own commands is missing.
+            let is_nested = arguments.iter().skip(1).any(|argument| argument == "project");
+            let is_meant = !is_nested && Path::new(name).is_file();
+            is_meant.then(|| format!("{name} is a file, not a command: chladni open {name} opens it"))
         }
         ErrorKind::MissingRequiredArgument if arguments.iter().any(|argument| argument == "caricature") => {
             // After an option it may be that one's value.

@@ -115,8 +115,8 @@ pub struct Divided<'a> {
 
 /// Vertices of a part at most that are tried for its text: each is a search through the mesh.
 const TRIED: usize = 300;
-/// A part of which fewer than one in so many vertices are seen has no text.
-const HIDDEN: usize = 20;
+/// The share of a part's vertices that must be seen for it to have text.
+const LEAST_SEEN: f64 = 0.05;
 
 impl Divided<'_> {
     /// Vertices of each part that are on the surface, spread over it.
@@ -145,7 +145,7 @@ impl Divided<'_> {
 /// would lie on others.
 fn middle(samples: &[[f32; 3]], pixel_if_seen: impl Fn([f32; 3]) -> Option<[f32; 2]>) -> Option<[f32; 2]> {
     let seen: Vec<[f32; 2]> = samples.iter().filter_map(|p| pixel_if_seen(*p)).collect();
-    if seen.len() * HIDDEN < samples.len() {
+    if (seen.len() as f64) < LEAST_SEEN * samples.len() as f64 {
         return None;
     }
     let mean = [0, 1].map(|axis| seen.iter().map(|at| at[axis]).sum::<f32>() / seen.len() as f32);

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use chladni_mesh::ShapeSource;
 
-use super::source::TUNE;
-
 pub use chladni_sound::SONG_EXTENSIONS as SONGS;
+
+/// The name of the sample tune.
+pub const TUNE: &str = "sample:tune";
 
 /// Meshes that can be read.
 pub const MESHES: [&str; 7] = ["obj", "ply", "off", "stl", "gltf", "glb", "mesh"];

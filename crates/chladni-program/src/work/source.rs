@@ -11,10 +11,8 @@ use chladni_mesh::{Format, Loaded, MeshError, ShapeSource, TriMesh, nothing_besi
 use chladni_sound::{Song, SongOptions, SongReader, SoundError, sample_tune};
 use chladni_task::open_file;
 
+use super::formats::{TUNE, is_project};
 use super::{Error, Warning, Watcher};
-
-/// The name of the sample tune.
-pub const TUNE: &str = "sample:tune";
 
 /// The most bytes that the samples of one [long song](long_song) may take: six hours at 48 kHz.
 const MOST_BYTES: u64 = 8 << 30;
@@ -61,8 +59,7 @@ pub fn explained(source: &ShapeSource, error: MeshError) -> Error {
     if SAMPLES.contains(&name) && !file.exists() {
         return Error::Input(format!("{error}; {} is a sample", sample_path(name).display()));
     }
-    let is_project = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("chladni"));
-    if is_project && file.is_file() {
+    if is_project(file) && file.is_file() {
         return Error::Input(format!(
             "{name}: is a caricature project, not a mesh: chladni caricature --recipe {name} makes one of it"
         ));

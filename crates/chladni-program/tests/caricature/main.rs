@@ -302,20 +302,6 @@ fn pieces_of_a_batch_are_all_of_it_and_what_is_there_stays() {
 }
 
 #[test]
-fn a_list_for_a_batch_names_what_lies_beside_it_and_is_no_mesh() {
-    let desk = Desk::new();
-    desk.ok("project new shape.obj -o p.chladni -k 16");
-    desk.ok("project add-layer p.chladni --template self:scale=0.5");
-    std::fs::create_dir(desk.path("many")).unwrap();
-    save_mesh(&lump(1.0), &desk.path("many/a.obj")).unwrap();
-    std::fs::write(desk.path("many/list.txt"), "# one lump\na.obj\n").unwrap();
-    desk.ok("caricature --recipe p.chladni --batch many/list.txt -o out");
-    assert!(desk.path("out/a.obj").exists());
-    let said = desk.refused("caricature --recipe p.chladni --batch shape.obj -o out");
-    assert!(said.contains("shape.obj: is a mesh") && said.lines().count() == 1, "{said}");
-}
-
-#[test]
 fn bad_arguments_are_told_apart() {
     let desk = Desk::new();
     desk.ok("project new shape.obj -o good.chladni --harmonics 16");
@@ -381,6 +367,7 @@ fn bad_arguments_are_told_apart() {
         ("caricature --recipe shape.obj -o out.obj", "chladni project new shape.obj"),
         ("project show shape.obj", "chladni project new shape.obj"),
         ("shape.obj", "is a file, not a command: chladni open shape.obj opens it"),
+        ("project good.chladni", "unrecognized subcommand"),
         ("caricature shape.obj self:lowpass=99 -k 16 -o out.obj", "a low-pass keeps is 99"),
         (
             "project add-layer good.chladni --template sphere --seed 9223372036854775808",
@@ -447,27 +434,6 @@ fn bad_arguments_are_told_apart() {
     }
     let left: Vec<_> = std::fs::read_dir(desk.0.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert!(left.iter().all(|name| name != "out.obj" && name != "p.txt"), "{left:?}");
-}
-
-#[test]
-fn a_region_beside_the_shape_is_told() {
-    let desk = Desk::new();
-    let line = "caricature shape.obj ellipsoid --harmonics 16 -o out.obj --region";
-    let beside = desk.run(&format!("{line} 0,0,0,0.1"));
-    let message = String::from_utf8(beside.stderr).unwrap();
-    assert!(beside.status.success() && message.contains("its region holds no vertex"), "{message}");
-    let on_it = desk.run(&format!("{line} 10,0,0,20"));
-    assert!(!String::from_utf8(on_it.stderr).unwrap().contains("its region"));
-    desk.ok("project new shape.obj -k 16 -o p.chladni");
-    for line in ["mask shape.obj -o m.npy", "project add-layer p.chladni --template ellipsoid"] {
-        let said = |ball: &str| {
-            let run = desk.run(&format!("{line} --region {ball}"));
-            assert!(run.status.success());
-            String::from_utf8(run.stderr).unwrap()
-        };
-        assert!(said("0,0,0,0.1").contains("region holds no vertex"), "{line}");
-        assert!(!said("10,0,0,20").contains("region holds"), "{line}");
-    }
 }
 
 #[test]

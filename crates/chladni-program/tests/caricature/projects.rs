@@ -217,3 +217,19 @@ fn a_template_that_is_not_there_is_reported_before_any_harmonics_are_solved() {
     let said = String::from_utf8(mean.stderr).unwrap();
     assert!(mean.stdout.is_empty() && said.contains("gone.obj"), "{said}");
 }
+
+#[test]
+fn a_list_for_a_batch_names_what_lies_beside_it_and_is_no_mesh() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni -k 16");
+    desk.ok("project add-layer p.chladni --template self:scale=0.5");
+    std::fs::create_dir(desk.path("many")).unwrap();
+    save_mesh(&lump(1.0), &desk.path("many/a.obj")).unwrap();
+    std::fs::write(desk.path("many/list.txt"), "# one lump\na.obj\n").unwrap();
+    desk.ok("caricature --recipe p.chladni --batch many/list.txt -o out");
+    assert!(desk.path("out/a.obj").exists());
+    let said = desk.refused("caricature --recipe p.chladni --batch shape.obj -o out");
+    assert!(said.contains("shape.obj: is a mesh") && said.lines().count() == 1, "{said}");
+    let said = desk.refused("caricature --recipe p.chladni --batch absent.obj -o out");
+    assert!(said.contains("absent.obj") && !said.contains("is a mesh"), "{said}");
+}

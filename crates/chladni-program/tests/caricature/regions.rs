@@ -107,3 +107,24 @@ fn a_mask_goes_out_and_comes_in_again_by_every_kind_of_file() {
         assert!(desk.refused(line).contains(said), "{line}");
     }
 }
+
+#[test]
+fn a_region_beside_the_shape_is_warned_of() {
+    let desk = Desk::new();
+    let line = "caricature shape.obj ellipsoid --harmonics 16 -o out.obj --region";
+    let beside = desk.run(&format!("{line} 0,0,0,0.1"));
+    let message = String::from_utf8(beside.stderr).unwrap();
+    assert!(beside.status.success() && message.contains("its region holds no vertex"), "{message}");
+    let on_it = desk.run(&format!("{line} 10,0,0,20"));
+    assert!(!String::from_utf8(on_it.stderr).unwrap().contains("its region"));
+    desk.ok("project new shape.obj -k 16 -o p.chladni");
+    for line in ["mask shape.obj -o m.npy", "project add-layer p.chladni --template ellipsoid"] {
+        let said = |ball: &str| {
+            let run = desk.run(&format!("{line} --region {ball}"));
+            assert!(run.status.success());
+            String::from_utf8(run.stderr).unwrap()
+        };
+        assert!(said("0,0,0,0.1").contains("region holds no vertex"), "{line}");
+        assert!(!said("10,0,0,20").contains("region holds"), "{line}");
+    }
+}

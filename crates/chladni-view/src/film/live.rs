@@ -160,6 +160,11 @@ impl LiveFilm {
         self.due(at_secs).saturating_sub(self.sounded) > self.late()
     }
 
+    /// How much sound there is.
+    pub fn sounded_secs(&self) -> f64 {
+        self.sounded as f64 / f64::from(self.sound_hz)
+    }
+
     /// How many frames of sound there are to be up to `at_secs`.
     fn due(&self, at_secs: f64) -> u64 {
         (at_secs.max(0.0) * f64::from(self.sound_hz)) as u64

@@ -147,7 +147,7 @@ const MOST_BYTES: u64 = 64 << 20;
 /// The meshes that a text file names, in its order; empty lines and comments are left out. A name that is not found from the
 /// current folder is one beside the list, as in playlists, if it is there.
 fn meshes_listed(list: &Path) -> Result<Vec<PathBuf>, Error> {
-    if Format::of_path(list).is_some() {
+    if list.is_file() && Format::of_path(list).is_some() {
         let why = "is a mesh: --batch takes a folder or a list of meshes; for one, give it as SHAPE";
         return Err(Error::input(format_args!("{}: {why}", list.display())));
     }

@@ -154,19 +154,19 @@ impl Drop for Autosave {
 }
 
 fn work(recovery: Recovery, inbox: &Receiver<Order>, reports: &Sender<Report>) {
-    // The number of the next order of a copy.
-    let mut number = 0;
+    // Copies that were ordered so far.
+    let mut orders = 0_usize;
     let mut whole = true;
     while let Ok(first) = inbox.recv() {
         let mut waiting = std::iter::once(first).chain(inbox.try_iter()).peekable();
         while let Some(order) = waiting.next() {
+            orders += usize::from(matches!(order, Order::Keep(..)));
             match order {
                 // On a slow disk the next copy takes its place, or none is needed any longer.
-                Order::Keep(..) if replaces_a_copy(waiting.peek()) => number += 1,
+                Order::Keep(..) if replaces_a_copy(waiting.peek()) => {}
                 Order::Keep(project, path) => {
                     let began = Instant::now();
-                    let kept = recovery.keep(&project, path.as_deref()).map(|()| number);
-                    number += 1;
+                    let kept = recovery.keep(&project, path.as_deref()).map(|()| orders - 1);
                     whole = kept.is_ok();
                     let took_secs = began.elapsed().as_secs_f64();
                     // The window may have gone meanwhile.

@@ -138,6 +138,9 @@ impl Recorder {
         };
         if let Some(mut last) = self.resampler.take_if(ends) {
             last.finish(&mut out)?;
+            if heard.left.is_empty() {
+                self.pass_on_rest(&std::mem::take(&mut out));
+            }
         }
         if !heard.left.is_empty() {
             let mut resampler = match self.resampler.take() {
@@ -158,6 +161,12 @@ impl Recorder {
         let pairs = interleaved.as_chunks::<2>().0.iter();
         let (left, right): (Vec<f32>, Vec<f32>) = pairs.map(|[left, right]| (*left, *right)).unzip();
         self.film.sound(at_secs, &left, &right);
+    }
+
+    /// Gives the film what a resampler held back, right behind the sound so far: for a later time, silence would come first.
+    fn pass_on_rest(&mut self, interleaved: &[f32]) {
+        let rest_secs = (interleaved.len() / 2) as f64 / f64::from(SOUND_HZ);
+        self.pass_on(self.film.sounded_secs() + rest_secs, interleaved);
     }
 
     /// Notes where in the show it begins: at `now_secs` of the window the show is at `show_secs`, in a stretch that has been
@@ -193,7 +202,7 @@ impl Recorder {
             self.duration_secs = self.at_secs(now_secs);
             let mut rest = Vec::new();
             if self.resampler.take().is_some_and(|mut last| last.finish(&mut rest).is_ok()) {
-                self.pass_on(self.duration_secs, &rest);
+                self.pass_on_rest(&rest);
             }
             self.film.finish(self.duration_secs);
         }
@@ -284,7 +293,8 @@ mod tests {
                 let tone: Vec<f32> = (0..rate_hz / 30).map(|n| level * (radians * n as f32).sin()).collect();
                 (heard.rate_hz, heard.left, heard.right) = (rate_hz, tone.clone(), tone);
             }
-            let now_secs = 15.0 + frame as f64 / 30.0;
+            // A little late after the first part: a pause is noticed at any time.
+            let now_secs = 15.0 + frame as f64 / 30.0 + if frame > 15 { 0.01 } else { 0.0 };
             recorder.sound(now_secs, &heard).unwrap();
             recorder.picture(now_secs, Picture { width: 64, height: 48, rgba: vec![128; 4 * 64 * 48] });
         }
@@ -316,7 +326,7 @@ mod tests {
         }
         // A song, a pause, and silent live input.
         let loudest = loudest_in_film_of([Some((44_100, 0.5)), None, Some((SOUND_HZ, 0.0))]);
-        assert!(loudest(47, 49) > 0.3, "{}", loudest(47, 49));
-        assert!(loudest(70, 140) < 0.01, "{}", loudest(70, 140));
+        assert!(loudest(49, 50) > 0.3, "{}", loudest(49, 50));
+        assert!(loudest(56, 140) < 0.01, "{}", loudest(56, 140));
     }
 }

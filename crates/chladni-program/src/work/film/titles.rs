@@ -8,7 +8,7 @@ use chladni_sound::SongReader;
 use chladni_view::Picture;
 
 use crate::work::cover::cover_of;
-use crate::work::source::TUNE;
+use crate::work::formats::TUNE;
 use crate::work::{Caption, title_opacity};
 
 /// The songs' titles and when each is shown, in the time of the show; none where live input or nothing is heard.

@@ -8,8 +8,8 @@ use chladni_sound::PlayerStatus;
 use super::study::{Learned, Study};
 use super::{Listening, ShowSong};
 use crate::studio::pictures::upload;
+use crate::work::formats::TUNE;
 use crate::work::read_beats;
-use crate::work::source::TUNE;
 
 impl Listening {
     /// The show's number of a song of the list.

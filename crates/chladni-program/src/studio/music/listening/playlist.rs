@@ -205,7 +205,7 @@ mod tests {
     use chladni_music::{BeatReading, ClockTrack, Moment, Parameters};
 
     use super::*;
-    use crate::work::source::TUNE;
+    use crate::work::formats::TUNE;
 
     fn listening() -> Listening {
         Listening::start(&egui::Context::default(), 1.0, None).unwrap()
