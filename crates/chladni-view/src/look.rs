@@ -135,11 +135,11 @@ mod tests {
     }
 
     #[test]
-    fn lamps_show_the_form_of_looks_of_the_dark_where_it_is_loud() {
+    fn lamps_show_the_form_of_dark_looks_where_it_is_loud() {
         let loud = Mood { levels: [1.0; 2], ..Mood::default() };
         for look in [Look::AURORA, Look::EMBER, Look::ABYSS, Look::NEON] {
             let look = look.answering(&loud);
-            // As far as it goes: more would drown the light that has shadows.
+            // Glow has no shadows: if it outshone the lamps, the form would be lost.
             let own = look.material.glow + look.answer.unwrap().glow;
             let lamps = |c: usize| look.lights.lights.iter().map(|lamp| lamp.color[c]).sum::<f32>();
             assert!(3.0 * own < (0..3).map(lamps).fold(0.0, f32::max), "{look:?}");

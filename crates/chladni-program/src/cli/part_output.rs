@@ -34,8 +34,13 @@ pub struct PartOutput {
 }
 
 impl PartOutput {
-    /// Whether the files can be written, before work is done for them.
+    /// Whether the files can be written, and no option is without effect, before work is done for them.
     pub fn check(&self) -> Result<(), Error> {
+        if self.render.is_none()
+            && let Some(option) = self.portrait.given()
+        {
+            return Err(Error::Input(format!("{option} is for a picture, and none is drawn here")));
+        }
         self.portrait.check()?;
         self.output.as_deref().map_or(Ok(()), check_arrays)?;
         self.render.as_deref().map_or(Ok(()), check_picture)

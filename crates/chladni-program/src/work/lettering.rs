@@ -56,7 +56,7 @@ impl Lettering {
         self.width
     }
 
-    /// Draws it over a picture in white with a dark halo, which is read on any ground, in an opacity. Its letters are of
+    /// Draws it over a picture in white with a dark halo, which is read on any ground, at an opacity. Its letters are of
     /// `size_px`, and it begins and stands at `place`.
     pub fn lay_with_halo(&self, picture: &mut Picture, place: [f32; 2], size_px: f32, opacity: f32) {
         for offset in halo_offsets(size_px) {

@@ -24,9 +24,9 @@ mod wardrobe;
 
 /// How much of its cell the shape may fill where it is moved as far as the limit allows.
 const FILL: f32 = 0.96;
-/// The share of the limit for which a cell of a gallery has room: hardly any dance comes near the limit, and small figures
-/// are hard to compare.
-const GALLERY_ROOM: f32 = 0.5;
+/// The share of the limit for which a cell of a gallery has room: the liveliest dances come to within an eighth of the
+/// limit, and small figures are hard to compare.
+const GALLERY_ROOM: f32 = 0.9;
 /// The floor is this share of the farthest movement below the shape, which seldom goes through it then.
 const FLOOR_BELOW: f32 = 0.4;
 /// The gap between cells is the picture's shorter side divided by this.
@@ -117,8 +117,9 @@ pub struct Staging {
     reaches: [[f32; 2]; 3],
     /// Whether the body is a sheet.
     flat: bool,
-    /// The displacement for which a cell has room, and the points that have to fit into it for that.
-    room: (f32, Vec<[f32; 3]>),
+    /// The displacement for which a cell has room, and the points that have to fit into it for that: of one shape, and
+    /// of a gallery. Two windows may show both in every frame, and the points take long to find.
+    rooms: [(f32, Vec<[f32; 3]>); 2],
     /// Points of the surface, and from how far they fill a picture.
     surface: Vec<[f32; 3]>,
     filled: Option<Filled>,
@@ -174,7 +175,7 @@ impl Staging {
             stands,
             reaches,
             flat,
-            room: (0.0, Vec::new()),
+            rooms: Default::default(),
             surface,
             filled: None,
             own: None,
@@ -214,15 +215,17 @@ impl Staging {
         instrument: &Instrument,
     ) -> Staged {
         let limit = instrument.parameters().get(Parameter::Limit);
-        let room = if items > 1 { GALLERY_ROOM * limit } else { limit };
-        if self.room.0 != room {
-            self.room = (room, extremes(&self.dancer.room(&self.rest, room)));
+        let is_gallery = items > 1 && framing.is_none();
+        let wanted = if is_gallery { GALLERY_ROOM * limit } else { limit };
+        let room = &mut self.rooms[usize::from(is_gallery)];
+        if room.0 != wanted {
+            *room = (wanted, extremes(&self.dancer.room(&self.rest, wanted)));
         }
         let (viewports, columns) = Self::cells(area, items);
         let aspect = layout::narrowest(&viewports);
         let camera = match framing {
             Some(framing) => self.chosen(aspect, viewpoint, framing, reaction),
-            None => self.usual(aspect, viewpoint, instrument.parameters(), reaction),
+            None => self.usual(is_gallery, aspect, viewpoint, instrument.parameters(), reaction),
         };
         let mut look = look.scaled(limit * self.dancer.box_diagonal);
         look.lights = look.lights.turned(reaction.light_turn_rad);
@@ -239,11 +242,18 @@ impl Staging {
     }
 
     /// All of the shape, however the beat turns it.
-    fn usual(&self, aspect: f32, viewpoint: &Viewpoint, knobs: &Parameters, reaction: Reaction) -> Camera {
+    fn usual(
+        &self,
+        is_gallery: bool,
+        aspect: f32,
+        viewpoint: &Viewpoint,
+        knobs: &Parameters,
+        reaction: Reaction,
+    ) -> Camera {
         let Viewpoint { yaw_rad, pitch_rad, .. } = *viewpoint;
         let mut camera = Camera { yaw_rad, pitch_rad, stands: self.stands, ..Camera::default() };
         let swing_rad = if knobs.is_on(Switch::BeatTurns) { knobs.get(Parameter::TurnRad) } else { 0.0 };
-        camera.fit_swing(&self.room.1, aspect, FILL, swing_rad);
+        camera.fit_swing(&self.rooms[usize::from(is_gallery)].1, aspect, FILL, swing_rad);
         camera.distance *= viewpoint.distance;
         // The shape turns about its own axis, wherever the picture is shifted to.
         camera.yaw_rad = viewpoint.yaw_rad - reaction.turn_rad;
@@ -259,11 +269,13 @@ impl Staging {
         framing: &Framing,
         reaction: Reaction,
     ) -> Camera {
-        let limit = ((self.room.0.ln() / LIMIT_STEP).ceil() * LIMIT_STEP).exp();
+        let [(limit, points), _] = &self.rooms;
+        let limit = ((limit.ln() / LIMIT_STEP).ceil() * LIMIT_STEP).exp();
         let aspect = ((aspect.ln() / ASPECT_STEP).round() * ASPECT_STEP).exp();
         let known = self.filled.take().filter(|filled| filled.limit == limit && filled.aspect == aspect);
-        let filled =
-            known.unwrap_or_else(|| Filled::new(&self.surface, &self.dancer, self.stands, aspect, limit));
+        let filled = known.unwrap_or_else(|| {
+            Filled::new((&self.surface, self.flat), &self.dancer, self.stands, aspect, limit)
+        });
         // Seen edge on a sheet is a line.
         let lowest = if self.flat { SHEET_PITCH_RAD } else { -1.2 };
         let pitch_rad = (viewpoint.pitch_rad + framing.pitch_rad).clamp(lowest, 1.4);
@@ -271,7 +283,7 @@ impl Staging {
         let mut camera = filled.camera(yaw_rad, pitch_rad, framing, self.stands);
         self.filled = Some(filled);
         camera.distance *= viewpoint.distance;
-        camera.keep_outside(self.room.1.iter().copied());
+        camera.keep_outside(points.iter().copied());
         camera.pan(viewpoint.shift[0], viewpoint.shift[1], 1.0);
         camera
     }
@@ -376,7 +388,7 @@ mod tests {
     #[test]
     fn how_a_picture_came_to_its_size_plays_no_part() {
         let mut staging = staging();
-        staging.room.0 = 1.0;
+        staging.rooms[0].0 = 1.0;
         let still = Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 };
         let (viewpoint, framing) = (Viewpoint::default(), Framing::default());
         let mut seen = |aspect: f32| staging.chosen(aspect, &viewpoint, &framing, still);
@@ -392,7 +404,7 @@ mod tests {
     fn the_sides_of_a_moving_figure_stay_in_a_narrow_picture() {
         let mut staging = staging();
         let limit = Parameter::Limit.initial();
-        staging.room.0 = limit;
+        staging.rooms[0].0 = limit;
         let still = Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 };
         let picture = Rect::of_size(900, 1600);
         let camera = staging.chosen(picture.aspect(), &Viewpoint::default(), &Framing::default(), still);
@@ -407,18 +419,54 @@ mod tests {
     }
 
     #[test]
-    fn figures_of_a_gallery_fill_more_of_their_cells_than_one_alone() {
-        let mut staging = staging();
+    fn a_sheet_keeps_no_room_at_its_sides() {
+        let still = Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 };
+        let distance = |flat: bool| {
+            // A ball looks the same from above, where sheets are seen from.
+            let mut staging = Staging { flat, ..staging() };
+            staging.rooms[0].0 = Parameter::Limit.initial();
+            staging.chosen(0.4, &Viewpoint::default(), &Framing::default(), still).distance
+        };
+        let share = distance(true) / distance(false);
+        assert!((0.6..0.92).contains(&share), "{share}");
+    }
+
+    /// The picture of items from the viewpoint that is there first.
+    fn staged(staging: &mut Staging, items: usize) -> Staged {
         let shape = GalleryShape { eigenvalues: (0..8).map(f64::from).collect(), bands: 8 };
         let instrument = Instrument::new(1, 9, shape).unwrap();
         let still = Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 };
-        let (picture, viewpoint) = (Rect::of_size(300, 300), Viewpoint::default());
-        let mut distance = |items| {
-            let staged = staging.set(picture, items, (&viewpoint, None), &Look::PLAIN, still, &instrument);
-            staged.camera.distance
-        };
+        let from = (&Viewpoint::default(), None);
+        staging.set(Rect::of_size(300, 300), items, from, &Look::PLAIN, still, &instrument)
+    }
+
+    #[test]
+    fn figures_of_a_gallery_fill_a_little_more_of_their_cells_than_one_alone() {
+        let mut staging = staging();
+        let mut distance = |items| staged(&mut staging, items).camera.distance;
         let share = distance(9) / distance(1);
-        assert!((0.75..0.88).contains(&share), "{share}");
+        assert!((0.93..0.99).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn figures_of_a_gallery_stay_in_their_cells() {
+        let mut staging = staging();
+        let Staged { camera, viewports, .. } = staged(&mut staging, 9);
+        let cell = Rect::of_size(viewports[0].width, viewports[0].height);
+        // As far as the liveliest dances of the samples go.
+        for p in staging.dancer.room(&staging.rest, 0.88 * Parameter::Limit.initial()) {
+            let ([x, y], _) = camera.project(p, cell).unwrap();
+            let is_inside = |at: f32, length: u32| (0.0..=length as f32).contains(&at);
+            assert!(is_inside(x, cell.width) && is_inside(y, cell.height), "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn a_stage_and_a_gallery_in_turn_are_each_measured_once() {
+        let mut staging = staging();
+        let before = [1, 9].map(|items| staged(&mut staging, items));
+        staging.rest.clear();
+        assert_eq!([1, 9].map(|items| staged(&mut staging, items)), before);
     }
 
     #[test]

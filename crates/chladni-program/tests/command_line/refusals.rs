@@ -231,6 +231,16 @@ fn settings_are_refused_by_name_by_value_and_by_range() {
 }
 
 #[test]
+fn options_of_a_picture_of_parts_are_refused_without_one() {
+    for (option, value) in [("--size", "64x64"), ("--view", "0,0"), ("--up", "z"), ("--front", "z")] {
+        for level in [&["--level", "0.3"][..], &[]] {
+            let parts = ["parts", "sample:head", option, value];
+            Run::of(&[&parts[..], level].concat()).refused(&format!("{option} is for a picture"));
+        }
+    }
+}
+
+#[test]
 fn numbers_below_zero_are_refused_by_their_own_ranges() {
     let dance = ["dance", "sample:cat", "sample:tune", "-o", "never.gif"];
     for (option, why) in [("--gain", "--gain: "), ("--mu", "--mu: "), ("--start", "must not be negative")] {

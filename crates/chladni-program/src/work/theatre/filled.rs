@@ -50,7 +50,14 @@ pub(super) struct Filled {
 }
 
 impl Filled {
-    pub fn new(surface: &[[f32; 3]], dancer: &Dancer, stands: Orientation, aspect: f32, limit: f32) -> Self {
+    /// For points of the surface, which is `flat` if it is that of a sheet.
+    pub fn new(
+        (surface, flat): (&[[f32; 3]], bool),
+        dancer: &Dancer,
+        stands: Orientation,
+        aspect: f32,
+        limit: f32,
+    ) -> Self {
         let (low, high) = surface.iter().fold(([f32::MAX; 3], [f32::MIN; 3]), |(low, high), p| {
             (std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i])))
         });
@@ -61,7 +68,8 @@ impl Filled {
         let rises = RISES * largest;
         let moving = |most_heights| Headroom {
             rises,
-            spreads: SPREADS * largest,
+            // A sheet moves along its normal.
+            spreads: if flat { 0.0 } else { SPREADS * largest },
             most_heights,
             most_widths: WHOLE_WIDTHS,
         };
