@@ -275,7 +275,7 @@ mod tests {
                 .arg(&path)
                 .status();
             assert!(made.unwrap().success());
-            let film = BackFilm::open(&path.to_string_lossy(), 16).unwrap();
+            let film = BackFilm::open(&path.to_string_lossy(), 160).unwrap();
             film.picture().rgba[..3].to_vec()
         };
         let tagged = shown("tagged.mkv", &["-colorspace", "bt709"]);

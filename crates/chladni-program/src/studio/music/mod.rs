@@ -258,8 +258,8 @@ mod tests {
     #[test]
     fn it_is_said_that_children_will_be_others_unless_a_show_takes_their_place_unasked() {
         let mut concert = Concert::of_ball(32).unwrap();
-        concert.act(Action::Choose { item: 1, on: true }).unwrap();
-        concert.act(Action::Breed).unwrap();
+        let parents = [1, 2].map(|item| Action::Choose { item, on: true });
+        parents.into_iter().chain([Action::Breed]).for_each(|action| concert.act(action).unwrap());
         let (show, since) = (Show::of(concert.instrument()), concert.instrument().log().len());
         let mut room = MusicRoom { concert: Some(concert), ..MusicRoom::default() };
         assert!(room.caution_on(48).is_some() && room.caution_on(32).is_none());

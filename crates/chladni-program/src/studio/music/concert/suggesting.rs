@@ -77,13 +77,9 @@ mod tests {
     /// A ball whose second generation is asked for children.
     fn breeding() -> Concert {
         let mut concert = Concert::of_ball(32).unwrap();
-        for action in [
-            Action::Choose { item: 1, on: true },
-            Action::Breed,
-            Action::Switch { switch: Switch::Suggest, on: true },
-            Action::Choose { item: 2, on: true },
-            Action::Breed,
-        ] {
+        let choose = |item| Action::Choose { item, on: true };
+        let suggest = Action::Switch { switch: Switch::Suggest, on: true };
+        for action in [choose(1), choose(2), Action::Breed, suggest, choose(2), choose(3), Action::Breed] {
             concert.act(action).unwrap();
         }
         assert!(concert.is_judging() && concert.instrument().gallery().current() == 1);
