@@ -20,7 +20,7 @@ export function isOpen(name, needs, looks) {
   const behind = [looks.picture, looks.panorama].filter(Boolean).map(base);
   const unseen = !lacks && behind.length
     && `${behind.join(" and ")} cannot be shown behind it: the page has no pictures of one's own.`;
-  return [lacks, needs.caution, needs.others, unseen].filter(Boolean).join(" ") || `${name} is open.`;
+  return [lacks || `${name} is open.`, needs.caution, needs.others, unseen].filter(Boolean).join(" ");
 }
 
 export const isWaiting = () => waitsSince !== undefined;
