@@ -8,7 +8,8 @@ use chladni_mesh::{Format, ShapeSource};
 use super::Terminal;
 use super::region::RegionOptions;
 use crate::work::formats::is_project;
-use crate::work::outputs::{check_apart, check_file, left_of_gltf};
+use crate::work::left_out::left_of_gltf;
+use crate::work::outputs::{check_apart, check_file};
 use crate::work::{Error, Subject, Warning, Watcher, mask, source};
 
 /// Write a region as a number from 0 to 1 for each vertex of the shape's file.

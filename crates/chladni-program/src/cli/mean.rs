@@ -7,7 +7,8 @@ use chladni_mesh::{ShapeSource, TriMesh, save_mesh};
 
 use super::Terminal;
 use super::layer_options::{method, scaling};
-use crate::work::outputs::{check_mesh, left_by};
+use crate::work::left_out::left_by;
+use crate::work::outputs::check_mesh;
 use crate::work::{Error, Warning, Watcher, source};
 
 /// Average several shapes, such as scans of many heads, into one: a template of what is usual among them.
@@ -70,7 +71,7 @@ impl Mean {
         }
         let result = TriMesh { positions: mean.positions(), ..shape };
         save_mesh(&result, &self.output).map_err(Error::unsaved)?;
-        terminal.warn_each(left_by(first, &result, &self.output));
+        terminal.warn_each(left_by(&ShapeSource::named(first), &result, &self.output));
         terminal.wrote(&self.output)
     }
 }

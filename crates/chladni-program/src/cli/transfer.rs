@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use chladni_match::{MatchSettings, Method, load_landmarks, transfer};
 use chladni_mesh::surface::Bounds;
 use chladni_mesh::surface::vec3::{length, sub};
-use chladni_mesh::{TriMesh, save_mesh};
+use chladni_mesh::{ShapeSource, TriMesh, save_mesh};
 
 use super::Terminal;
 use super::layer_options::{check_landmarks, method, scaling};
-use crate::work::outputs::{check_mesh, is_gltf, left_by};
+use crate::work::left_out::{is_gltf, left_by};
+use crate::work::outputs::check_mesh;
 use crate::work::{Error, Warning, Watcher, source};
 
 /// Move the difference between two shapes, such as an expression or a caricature, onto a third.
@@ -79,7 +80,7 @@ impl TransferCommand {
         let moved = moved.map(|(x, r)| std::array::from_fn(|i| x[i] + self.amount * (r[i] - x[i])));
         let result = TriMesh { positions: moved.collect(), ..target };
         save_mesh(&result, &self.output).map_err(Error::unsaved)?;
-        terminal.warn_each(left_by(&self.target, &result, &self.output));
+        terminal.warn_each(left_by(&ShapeSource::named(&self.target), &result, &self.output));
         let trusted = 100.0 * found.confidence.iter().sum::<f64>() / (found.confidence.len().max(1) as f64);
         terminal.result(format_args!("mean confidence {trusted:.0} %"))?;
         terminal.wrote(&self.output)

@@ -33,6 +33,7 @@ mod ink;
 pub mod knobs;
 mod lag;
 pub mod landmarks;
+pub mod left_out;
 #[cfg(feature = "desktop")]
 mod lettering;
 mod live_back_film;

@@ -1,19 +1,18 @@
 //! Checks where results go before the work: a missing folder is reported at once, not after minutes of
 //! computing.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf, is_separator};
 
 use chladni_caricature::Template;
 use chladni_mesh::{
-    Format, Material, ShapeSource, Texture, TriMesh, check_glb, far_center, name_within, picture_name,
-    pictures_beside,
+    Format, Material, ShapeSource, Texture, TriMesh, check_glb, name_within, pictures_beside,
 };
 use chladni_task::{folder_of, read_file};
 use chladni_view::film::frame_path;
 use chladni_view::{FilmFormat, ViewError, ffmpeg_is_there};
 
 use super::formats::ends_in;
+use super::left_out::{is_gltf, other_picture};
 use super::{Error, Warning};
 
 /// Pixels that a picture has at most: a drawing in ink takes some twenty bytes of memory for each.
@@ -253,79 +252,6 @@ pub fn check_fits(
     check_glb(mesh, targets).map_err(|error| Error::unwritten(output, error))
 }
 
-/// A warning where the mesh of the file `source` is written anew to `path`, both glTF: only an export of layers keeps all
-/// else that such a file holds.
-pub fn left_of_gltf(source: &Path, path: &Path) -> Option<Warning> {
-    (is_gltf(source) && is_gltf(path)).then(|| Warning::of(source.display(), LEFT_OF_GLTF))
-}
-
-/// A warning of what the file at `path` lacks of `mesh`, which came from the file `source`.
-pub fn left_by(source: &Path, mesh: &TriMesh, path: &Path) -> Option<Warning> {
-    match Format::of_path(path) {
-        Some(Format::Stl) => rounded_in_stl(mesh),
-        Some(Format::Obj) => left_pictures(source, mesh, path),
-        _ => left_of_gltf(source, path),
-    }
-}
-
-/// A warning where the numbers of an STL are too coarse for a mesh that lies as far from the origin as `mesh` does.
-pub fn rounded_in_stl(mesh: &TriMesh) -> Option<Warning> {
-    let center = far_center(&mesh.positions)?;
-    let step = center.iter().fold(0.0, |far: f64, x| far.max(x.abs())) * f64::from(f32::EPSILON);
-    Some(Warning::Plain(format!(
-        "the coordinates are so large that STL rounds them to about {step:.0e}: save PLY, or move the shape to the origin"
-    )))
-}
-
-/// A warning where pictures beside `source` that the materials of its `mesh` name, such as bump maps, are not beside the OBJ
-/// at `path`: only pictures of colors are brought there.
-pub fn left_pictures(source: &Path, mesh: &TriMesh, path: &Path) -> Option<Warning> {
-    let is_left =
-        |name: &String| folder_of(source).join(name).is_file() && !folder_of(path).join(name).is_file();
-    let left = |statement: &String| other_picture(statement)?.find(is_left);
-    let statements = mesh.appearance.materials.iter().flat_map(|material| &material.other_statements);
-    let named = listed(&statements.filter_map(left).collect())?;
-    let source = source.display();
-    Some(Warning::of(
-        path.display(),
-        format_args!("its materials name {named}, which it lacks: copy what lies beside {source}"),
-    ))
-}
-
-/// The picture beside an OBJ that a statement of its material names, if it is one that names any, with `/` between the
-/// parts: the name may hold blanks, or be the last word, after options that are not known.
-fn other_picture(statement: &str) -> Option<impl Iterator<Item = String>> {
-    let (keyword, rest) = statement.split_once(char::is_whitespace)?;
-    let is_picture =
-        keyword.starts_with("map_") || ["bump", "norm", "disp", "decal", "refl"].contains(&keyword);
-    let names = [picture_name(rest), rest.split_whitespace().next_back()?];
-    is_picture.then(|| names.into_iter().filter_map(name_within))
-}
-
-/// A warning where `glb`, made of the glTF file `source`, names pictures that it does not hold: they are not there, or of an
-/// unknown kind.
-pub fn pictures_apart(source: &Path, glb: &[u8]) -> Option<Warning> {
-    let named = listed(&pictures_beside(glb).into_iter().collect())?;
-    Some(Warning::of(source.display(), format_args!("names {named}, which the GLB does not hold")))
-}
-
-/// The first of `names`, and how many there are besides; `None` where there are none.
-fn listed(names: &BTreeSet<String>) -> Option<String> {
-    let first = names.first()?;
-    Some(match names.len() {
-        1 => first.clone(),
-        count => format!("{first} and {} more", count - 1),
-    })
-}
-
-/// Whether a file's name is one of glTF.
-pub fn is_gltf(path: &Path) -> bool {
-    matches!(Format::of_path(path), Some(Format::Glb | Format::Gltf))
-}
-
-/// The part of a glTF file that a GLB lacks where it is written anew.
-pub const LEFT_OF_GLTF: &str = "rigs, animations, normals and sliders that it had are left out of the GLB";
-
 /// Checks that no two of `outputs` are one file, where the later would replace the other.
 ///
 /// # Errors
@@ -364,6 +290,7 @@ fn check_named(path: &Path, what: &str, endings: &[&str]) -> Result<(), Error> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::left_out::{left_pictures, pictures_apart};
     use super::*;
 
     #[test]

@@ -10,9 +10,10 @@ use chladni_mesh::{
     Format, MeshError, MorphTarget, Orientation, ShapeSource, TriMesh, add_morph_targets,
     add_morph_targets_in, save_mesh, write_glb, write_mesh,
 };
-use chladni_task::{Task, write_atomic};
+use chladni_task::Task;
 
-use super::outputs::{LEFT_OF_GLTF, is_gltf, left_pictures, pictures_apart, rounded_in_stl};
+use super::left_out::{LEFT_OF_GLTF, is_gltf, left_by, pictures_apart, rounded_in_stl};
+use super::writing::write_file;
 use super::{Error, Subject, Warning, Watcher, matched};
 
 /// The result of a project on its shape. Later edits of the project do not change it.
@@ -111,17 +112,13 @@ impl Sculpture {
         if Format::of_path(path) == Some(Format::Glb) {
             let (bytes, warning) = self.glb(None).map_err(|error| Error::unwritten(path, error))?;
             task.check()?;
-            write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))?;
+            write_file(path, &bytes)?;
             return Ok(warning);
         }
         let result = self.result();
         task.check()?;
         save_mesh(&result, path).map_err(Error::unsaved)?;
-        Ok(match (Format::of_path(path), self.source.file()) {
-            (Some(Format::Stl), _) => rounded_in_stl(&result),
-            (Some(Format::Obj), Some(source)) => left_pictures(source, &result, path),
-            _ => None,
-        })
+        Ok(left_by(&self.source, &result, path))
     }
 
     /// The same in memory, as a file of `format`. `file` holds the bytes of the shape's file, where it comes from

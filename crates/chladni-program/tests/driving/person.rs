@@ -149,20 +149,23 @@ impl Person {
 
     /// Drags with the left button along `path`.
     pub fn drag(&mut self, path: &[Pos2]) {
-        let button = |pos, pressed| Event::PointerButton {
-            pos,
-            button: PointerButton::Primary,
-            pressed,
-            modifiers: Modifiers::NONE,
-        };
+        self.hold(path);
+        self.release(path[path.len() - 1]);
+    }
+
+    /// Presses the left button where `path` begins, and holds it along it.
+    pub fn hold(&mut self, path: &[Pos2]) {
         self.0.hover_at(path[0]);
         self.0.run_steps(1);
-        self.0.event(button(path[0], true));
+        self.0.event(left_button(path[0], true));
         for pos in path {
             self.0.hover_at(*pos);
             self.0.run_steps(1);
         }
-        self.0.event(button(path[path.len() - 1], false));
+    }
+
+    pub fn release(&mut self, pos: Pos2) {
+        self.0.event(left_button(pos, false));
         self.0.run_steps(2);
     }
 
@@ -227,4 +230,8 @@ impl Person {
     pub fn screenshot(&mut self, name: &str) {
         driving::screenshot(&mut self.0, name);
     }
+}
+
+fn left_button(pos: Pos2, pressed: bool) -> Event {
+    Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
 }

@@ -2,7 +2,7 @@
 
 use chladni_caricature::{Model, Painted, Project};
 use chladni_mesh::save_mesh;
-use egui::{Key, Modifiers, pos2, vec2};
+use egui::{Key, Modifiers, Pos2, pos2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::CTRL;
@@ -40,7 +40,7 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     person.wait("the new match", |window| !driving::shows(window, "Matching"));
     // The place under the pointer is marked on the other shape, from either side.
     let away = pos2(left.center().x, 10.0);
-    let mut across = |side: egui::Rect, at: egui::Pos2| {
+    let mut across = |side: egui::Rect, at: Pos2| {
         let mark = person.what_changes(side, away, at);
         assert!((20..250).contains(&mark.len()), "{} pixels", mark.len());
         (mark.iter().fold(vec2(0.0, 0.0), |sum, p| sum + *p) / mark.len() as f32).to_pos2()
@@ -185,32 +185,21 @@ fn the_first_stroke_of_a_brush_is_one_step() {
     assert_eq!(painted(), Painted::Everywhere);
 }
 
-#[test]
-fn a_stroke_that_a_key_ends_is_a_step_of_its_own() {
+/// Begins a stroke that `ends` at this place before it is finished, and paints another where the work `goes_on`: each is a
+/// step of its own.
+fn check_strokes_are_steps(ends: impl FnOnce(&mut Person, Pos2), goes_on: impl FnOnce(&mut Person)) {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
     person.add_layer("magnify");
     person.press(Key::B);
     let (left, right) = (pos2(580.0, 420.0), pos2(680.0, 420.0));
-    let button = |pos, pressed| egui::Event::PointerButton {
-        pos,
-        button: egui::PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    person.0.hover_at(left);
-    person.0.run_steps(1);
-    person.0.event(button(left, true));
-    person.0.hover_at(left + vec2(10.0, 0.0));
-    person.0.run_steps(1);
-    // The brush is put away before the button is released.
-    person.press(Key::B);
-    person.0.event(button(left + vec2(10.0, 0.0), false));
-    person.0.run_steps(2);
+    let end = left + vec2(10.0, 0.0);
+    person.hold(&[left, end]);
+    ends(&mut person, end);
     let first = painted(&desk, &mut person);
     assert!(inside(&first) > 3);
-    person.press(Key::B);
+    goes_on(&mut person);
     person.drag(&[right, right + vec2(10.0, 0.0)]);
     assert!(inside(&painted(&desk, &mut person)) > inside(&first));
     person.press_with(CTRL, Key::Z);
@@ -218,37 +207,26 @@ fn a_stroke_that_a_key_ends_is_a_step_of_its_own() {
 }
 
 #[test]
-fn a_stroke_that_ends_outside_the_room_is_a_step_of_its_own() {
-    let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
-    person.press(Key::B);
-    let (left, right) = (pos2(580.0, 420.0), pos2(680.0, 420.0));
-    let button = |pos, pressed| egui::Event::PointerButton {
-        pos,
-        button: egui::PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
+fn a_stroke_that_a_key_ends_is_a_step_of_its_own() {
+    let put_away = |person: &mut Person, at| {
+        // Before the button is released.
+        person.press(Key::B);
+        person.release(at);
     };
-    person.0.hover_at(left);
-    person.0.run_steps(1);
-    person.0.event(button(left, true));
-    person.0.hover_at(left + vec2(10.0, 0.0));
-    person.0.run_steps(1);
-    // The room is left without the pointer, whose button is released elsewhere.
-    person.0.get_by_role_and_label(egui::accesskit::Role::Button, "Chladni").click_accesskit();
-    person.0.run_steps(2);
-    person.0.event(button(left + vec2(10.0, 0.0), false));
-    person.0.run_steps(2);
-    driving::control(&person.0, "room/0").click_accesskit();
-    person.0.run_steps(2);
-    let first = painted(&desk, &mut person);
-    assert!(inside(&first) > 3);
-    person.drag(&[right, right + vec2(10.0, 0.0)]);
-    assert!(inside(&painted(&desk, &mut person)) > inside(&first));
-    person.press_with(CTRL, Key::Z);
-    assert_eq!(painted(&desk, &mut person), first);
+    check_strokes_are_steps(put_away, |person| person.press(Key::B));
+}
+
+#[test]
+fn a_stroke_that_ends_outside_the_room_is_a_step_of_its_own() {
+    let left = |person: &mut Person, at| {
+        // Without the pointer, whose button is released elsewhere.
+        person.0.get_by_role_and_label(egui::accesskit::Role::Button, "Chladni").click_accesskit();
+        person.0.run_steps(2);
+        person.release(at);
+        driving::control(&person.0, "room/0").click_accesskit();
+        person.0.run_steps(2);
+    };
+    check_strokes_are_steps(left, |_| ());
 }
 
 #[test]
@@ -518,7 +496,7 @@ fn what_is_encircled_is_painted_on_the_side_that_is_seen_and_undone_at_once() {
     person.press(Key::B);
     person.click("lasso");
     let middle = pos2(620.0, 420.0);
-    let around = |radius: f32| -> Vec<egui::Pos2> {
+    let around = |radius: f32| -> Vec<Pos2> {
         (0..24)
             .map(|i| middle + radius * egui::Vec2::angled(i as f32 * std::f32::consts::TAU / 24.0))
             .collect()

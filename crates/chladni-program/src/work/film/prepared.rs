@@ -21,7 +21,8 @@ use super::titles::Titles;
 use super::{Film, ONE_DANCE, preset_in, sound_beside, sound_in};
 use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
-use crate::work::outputs::{earlier_frames, left_of_gltf, odd_sides};
+use crate::work::left_out::left_of_gltf;
+use crate::work::outputs::{earlier_frames, odd_sides};
 use crate::work::{
     Cast, Error, HARMONICS, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, make_folder, texture_colors,
 };
