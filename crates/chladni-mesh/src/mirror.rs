@@ -174,8 +174,7 @@ impl<'a> MirrorSearch<'a> {
             let (_, weights) = closest_on_triangle(p, &at);
             let offset = sub(p, mixed(at, weights));
             let distance = dot(offset, offset);
-            // Of several as near that are compared, the one with the lowest number, so that the order in the tree
-            // matters little.
+            // Of several as near, the one with the lowest number: their order in the tree is not to decide.
             if distance < best.0 || distance == best.0 && t < nearest {
                 (best, nearest) = ((distance, (triangle, weights)), t);
             }
@@ -256,21 +255,17 @@ impl<'a> MirrorSearch<'a> {
 /// A tree of the triangles in `row`, all of which `vertex` belongs to, by their directions from it: each lies
 /// within the cone over an arc of the unit sphere.
 fn fan(positions: &[Vec3], triangles: &[[u32; 3]], vertex: usize, row: &[u32]) -> BoxTree {
-    let directions = |item: u32| {
-        let triangle = triangles[row[item as usize] as usize];
-        let sides = triangle.map(|corner| sub(positions[corner as usize], positions[vertex]));
+    let directions = |t: &u32| {
+        let sides = triangles[*t as usize].map(|corner| sub(positions[corner as usize], positions[vertex]));
         let ends = Bounds::of(sides.into_iter().filter(|side| length(*side) > 0.0).map(unit));
         let half_chord = 0.5 * ends.diagonal();
         // The arc leaves the box of its ends by no more than its height; rounding may add to that.
         let height = 1.0 - (1.0 - half_chord * half_chord).max(0.0).sqrt() + 1e-9;
         Bounds { low: ends.low.map(|c| c - height), high: ends.high.map(|c| c + height) }
     };
-    let center = |item: u32| {
-        let Bounds { low, high } = directions(item);
-        scaled(add(low, high), 0.5)
-    };
-    let centers: Vec<Vec3> = (0..row.len() as u32).map(center).collect();
-    BoxTree::new(&centers, directions)
+    let boxes: Vec<Bounds> = row.iter().map(directions).collect();
+    let centers: Vec<Vec3> = boxes.iter().map(|b| scaled(add(b.low, b.high), 0.5)).collect();
+    BoxTree::new(&centers, |item| boxes[item as usize])
 }
 
 fn largest_component(v: Vec3) -> f64 {

@@ -119,8 +119,7 @@ impl Dancer {
         steep.sort_by_key(|(k, _)| *k);
         let probes = Probes::new(body, &displacement, &normals, &steep);
         let sides = Sides::of(body, classes, stands);
-        let first = symmetry::first_waving(&basis.eigenvalues);
-        let slowest = basis.eigenvalues.get(first).copied().unwrap_or(1.0);
+        let slowest = symmetry::slowest(&basis.eigenvalues);
         Ok(Self {
             eigenvalues: basis.eigenvalues.clone(),
             swing: Swing::of(body, classes, &sides),

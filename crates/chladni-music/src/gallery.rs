@@ -3,7 +3,7 @@
 use chladni_breeding::ChaCha8Rng;
 use rand::RngExt;
 
-use crate::symmetry::first_waving;
+use crate::symmetry::spare_constants;
 use crate::{Mapping, direct_transfer};
 
 /// A gallery of mappings.
@@ -53,10 +53,10 @@ fn initial_mu(size: usize, rng: &mut ChaCha8Rng) -> Vec<f32> {
 /// to harmonics that they do not amplify.
 fn initial_mappings(size: usize, shape: &GalleryShape) -> Vec<Mapping> {
     let k = shape.eigenvalues.len().max(1);
-    let constant = first_waving(&shape.eigenvalues).clamp(1, k);
+    let spare = spare_constants(&shape.eigenvalues);
     let mut transfers = initial_transfers(size, shape);
     let mut amplifications: Vec<Vec<f32>> =
-        (0..size).map(|item| initial_amplification(size, item, k, constant)).collect();
+        (0..size).map(|item| initial_amplification(size, item, k, spare)).collect();
     let targets = |t: &[f32]| t.iter().map(|t| (t * (k - 1) as f32).round() as usize).collect::<Vec<_>>();
     let driven: Vec<Vec<usize>> = transfers.iter().map(|t| targets(t)).collect();
     let feeds: Vec<Vec<usize>> = (amplifications.iter())
@@ -65,7 +65,7 @@ fn initial_mappings(size: usize, shape: &GalleryShape) -> Vec<Mapping> {
     let choice = pairs(&feeds);
     for (item, (a, &t)) in amplifications.iter_mut().zip(&choice).enumerate() {
         if feeds[item][t] == 0 {
-            reach_out(a, &driven[t], constant);
+            reach_out(a, &driven[t], spare);
         }
     }
     (amplifications.into_iter().zip(choice))
@@ -109,13 +109,12 @@ fn pairs(feeds: &[Vec<usize>]) -> Vec<usize> {
     choice
 }
 
-/// Extends an amplification that covers none of the `driven` harmonics to the nearest of them that is not constant, as
-/// the first ones are.
-fn reach_out(a: &mut [f32], driven: &[usize], constant: usize) {
+/// Extends an amplification that covers none of the `driven` harmonics to the nearest of them beyond the constant ones.
+fn reach_out(a: &mut [f32], driven: &[usize], spare: usize) {
     let Some(first) = a.iter().position(|a| *a != 0.0) else { return };
     let last = a.iter().rposition(|a| *a != 0.0).unwrap_or(first);
     let away = |k: usize| first.saturating_sub(k).max(k.saturating_sub(last));
-    if let Some(nearest) = driven.iter().copied().filter(|&k| k >= constant).min_by_key(|&k| away(k)) {
+    if let Some(nearest) = driven.iter().copied().filter(|&k| k > spare).min_by_key(|&k| away(k)) {
         let sign = a[first];
         a[first.min(nearest)..=last.max(nearest)].fill(sign);
     }
@@ -135,12 +134,11 @@ fn initial_transfers(size: usize, shape: &GalleryShape) -> Vec<Vec<f32>> {
 
 /// Band b covers k/K in [(2b/S)², (2(b+1)/S)²); the first ⌊S/2⌋ items amplify, the rest damp.
 /// A band too narrow for any harmonic that moves the shape takes the next one up.
-/// The first `constant` harmonics, one for each piece of the shape, move nothing: they count as one, the last.
-fn initial_amplification(size: usize, item: usize, harmonics: usize, constant: usize) -> Vec<f32> {
+/// The first `spare` harmonics, constant like the next, get nothing.
+fn initial_amplification(size: usize, item: usize, harmonics: usize, spare: usize) -> Vec<f32> {
     let half = size / 2;
     let (band, sign) = if item < half { (item, 1.0) } else { (item - half, -1.0) };
     let edge = |b: usize| (2.0 * b as f64 / size as f64).powi(2);
-    let spare = constant - 1;
     let count = harmonics - spare;
     let mut a: Vec<f32> = (0..count)
         .map(|k| {
@@ -171,7 +169,7 @@ mod tests {
             for sign in [1.0, -1.0] {
                 let items = if sign > 0.0 { 0..size / 2 } else { size / 2..size };
                 let sum = items.fold(vec![0.0f32; 1000], |mut sum, item| {
-                    sum.iter_mut().zip(initial_amplification(size, item, 1000, 1)).for_each(|(s, a)| *s += a);
+                    sum.iter_mut().zip(initial_amplification(size, item, 1000, 0)).for_each(|(s, a)| *s += a);
                     sum
                 });
                 // With odd S the amplifying half ends at ((S−1)/S)².
@@ -195,7 +193,7 @@ mod tests {
                 assert_eq!(items.iter().filter(|other| other.transfer == item.transfer).count(), 1);
                 assert!(transfers.contains(&item.transfer), "S = {size}");
                 assert!(item.loudness() > 0.0, "S = {size}, item {i}");
-                reached += usize::from(item.amplification != initial_amplification(size, i, 256, 1));
+                reached += usize::from(item.amplification != initial_amplification(size, i, 256, 0));
             }
             // Three, four of t_rev stay in the highest band, which has two amplifications.
             assert!(reached <= size / 8, "S = {size}: {reached}");

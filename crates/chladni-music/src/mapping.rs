@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::symmetry::first_waving;
+use crate::symmetry::{first_waving, spare_constants};
 use crate::{Class, MusicError};
 
 /// Finer harmonics have lines too close for a figure of sand.
@@ -44,12 +44,12 @@ impl Mapping {
     /// each of its pieces, count as one.
     pub fn direct(eigenvalues: &[f64], bands: usize) -> Self {
         let k_count = eigenvalues.len().max(1);
-        let constant = first_waving(eigenvalues).max(1);
+        let spare = spare_constants(eigenvalues);
         // A quarter of fewer than five would be the constant one alone.
-        let count = (k_count + 1).saturating_sub(constant).max(5);
+        let count = (k_count - spare).max(5);
         let amplification = (0..k_count)
             .map(|k| {
-                let x = (4.0 * (k + 1).saturating_sub(constant) as f32 / count as f32).min(1.0);
+                let x = (4.0 * k.saturating_sub(spare) as f32 / count as f32).min(1.0);
                 (1.0 - x) * (1.0 - x)
             })
             .collect();
@@ -65,9 +65,9 @@ impl Mapping {
     pub fn figures(eigenvalues: &[f64], classes: &[Class], bands: usize) -> Self {
         let (bands, top) = (bands.max(1), (classes.len().max(2) - 1) as f32);
         let answering = |k: &usize| classes[*k] != Class::Antisymmetric;
-        let first = first_waving(eigenvalues).max(1);
-        let end = classes.len().min(first - 1 + MOST_FIGURES);
-        let answering: Vec<usize> = (first..end).filter(answering).skip(3).collect();
+        let spare = spare_constants(eigenvalues);
+        let end = classes.len().min(spare + MOST_FIGURES);
+        let answering: Vec<usize> = (spare + 1..end).filter(answering).skip(3).collect();
         let transfer = (0..bands)
             .map(|b| answering.get(b * answering.len() / bands).map_or(1.0, |k| *k as f32 / top))
             .collect();

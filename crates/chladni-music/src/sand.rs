@@ -20,7 +20,7 @@ use chladni_synth::Item;
 use rayon::prelude::*;
 
 use crate::dancer::box_diagonal;
-use crate::symmetry::first_waving;
+use crate::symmetry::slowest;
 use hop::{Hop, draw, friction, landing, unit};
 
 mod feeling;
@@ -67,11 +67,10 @@ pub struct Tray {
 impl Tray {
     /// The tray of a body.
     pub fn new(body: &Body) -> Self {
-        let eigenvalues = &body.basis.eigenvalues;
         Self {
             ground: Ground::new(&body.positions, &body.triangles),
             triangles: body.triangles.clone(),
-            slowest: eigenvalues.get(first_waving(eigenvalues)).copied().unwrap_or(1.0),
+            slowest: slowest(&body.basis.eigenvalues),
             basis: Arc::clone(&body.basis),
             box_diagonal: box_diagonal(&body.positions),
         }

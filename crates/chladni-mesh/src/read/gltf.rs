@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::beside::{Beside, plain_uri};
 use super::draft::{Draft, coordinate, vertex_index};
 use super::gltf_buffers::Buffers;
-use super::gltf_chunks::json_and_binary;
+use super::gltf_chunks::{gltf_format, json_and_binary};
 use super::gltf_json::{Accessor, Primitive, Root, TextureInfo};
 use super::gltf_matrix::{IDENTITY, Matrix, local_matrix, mirrors, moved, product};
 use crate::error::Fault;
@@ -118,11 +118,10 @@ pub(crate) fn read_placed(
     Ok((loaded, placed))
 }
 
-/// The names of the picture files beside it that a glTF file names, those of maps that are not read among them; none where
-/// `bytes` are no glTF file.
+/// The picture files beside it that a glTF file names, also for maps that are not read; none where `bytes` are no glTF
+/// file.
 pub fn pictures_beside(bytes: &[u8]) -> Vec<String> {
-    let format = if bytes.starts_with(b"glTF") { Format::Glb } else { Format::Gltf };
-    let Ok((json, _)) = json_and_binary(bytes, format) else { return Vec::new() };
+    let Ok((json, _)) = json_and_binary(bytes, gltf_format(bytes)) else { return Vec::new() };
     let Ok(root) = serde_json::from_slice::<Root>(json) else { return Vec::new() };
     let uris = root.images.iter().filter_map(|image| image.uri.as_deref());
     uris.filter(|uri| !uri.starts_with("data:")).map(|uri| plain_uri(uri).into_owned()).collect()

@@ -3,6 +3,11 @@
 use crate::Format;
 use crate::error::Fault;
 
+/// Which of both formats a glTF file has.
+pub(crate) fn gltf_format(bytes: &[u8]) -> Format {
+    if bytes.starts_with(b"glTF") { Format::Glb } else { Format::Gltf }
+}
+
 /// The JSON of a glTF file, and the buffer that a GLB brings along.
 pub(crate) fn json_and_binary(bytes: &[u8], format: Format) -> Result<(&[u8], Option<&[u8]>), Fault> {
     let (json, binary) = if format == Format::Glb { glb_chunks(bytes)? } else { (bytes, None) };

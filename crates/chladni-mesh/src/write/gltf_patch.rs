@@ -11,7 +11,7 @@ use super::glb::{Glb, container};
 use super::{MorphTarget, narrowed};
 use crate::read::gltf::{Placed, read_placed};
 use crate::read::gltf_buffers::Buffers;
-use crate::read::gltf_chunks::json_and_binary;
+use crate::read::gltf_chunks::{gltf_format, json_and_binary};
 use crate::read::gltf_json::Root;
 use crate::read::{MOST_BYTES, beside};
 use crate::surface::vec3::{Vec3, sub};
@@ -62,7 +62,7 @@ fn patched(
     mesh: &TriMesh,
     targets: &[MorphTarget],
 ) -> Result<Vec<u8>, MeshError> {
-    let format = if bytes.starts_with(b"glTF") { Format::Glb } else { Format::Gltf };
+    let format = gltf_format(bytes);
     let malformed =
         |fault: crate::error::Fault| MeshError::Malformed { format, at: fault.at, reason: fault.reason };
     let (loaded, placed) = read_placed(bytes, format, beside)?;

@@ -200,3 +200,13 @@ pub(crate) fn first_waving(eigenvalues: &[f64]) -> usize {
     let largest = eigenvalues.last().copied().unwrap_or(0.0);
     eigenvalues.partition_point(|&l| l <= 1e-9 * largest)
 }
+
+/// The eigenvalue of that harmonic.
+pub(crate) fn slowest(eigenvalues: &[f64]) -> f64 {
+    eigenvalues.get(first_waving(eigenvalues)).copied().unwrap_or(1.0)
+}
+
+/// How many constant harmonics there are beside the first: one for each further piece of the shape.
+pub(crate) fn spare_constants(eigenvalues: &[f64]) -> usize {
+    first_waving(eigenvalues).saturating_sub(1)
+}

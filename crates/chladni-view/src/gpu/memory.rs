@@ -83,5 +83,5 @@ pub(crate) fn image(gpu: &Gpu, label: &str, [width, height, levels]: [u32; 3], p
         wgpu::util::TextureDataOrder::LayerMajor,
         pyramid,
     );
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    super::screen::view(&texture)
 }

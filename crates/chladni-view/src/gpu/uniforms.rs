@@ -2,6 +2,8 @@
 
 use bytemuck::Pod;
 
+use super::bindings;
+
 /// Many values of one uniform, distinguished by their dynamic offset.
 pub(super) struct Uniforms<T> {
     label: &'static str,
@@ -32,18 +34,9 @@ impl<T: Pod> Uniforms<T> {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(label),
-            layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer: &buffer,
-                    offset: 0,
-                    size: wgpu::BufferSize::new(size_of::<T>() as u64),
-                }),
-            }],
-        });
+        let size = wgpu::BufferSize::new(size_of::<T>() as u64);
+        let one = wgpu::BufferBinding { buffer: &buffer, offset: 0, size };
+        let group = bindings::group(device, label, layout, &[wgpu::BindingResource::Buffer(one)]);
         (buffer, group)
     }
 

@@ -35,10 +35,10 @@ const SEAM: f64 = 0.1;
 
 /// All lines of a plate as it is seen.
 pub(super) fn lines(sight: &Sight<'_>, ink: &Ink) -> Vec<Line> {
-    let seen = Seen::new(sight);
     let mut lines = contours(sight);
     lines.extend(seams(sight));
     if ink.detail > 0.0 {
+        let seen = Seen::new(sight);
         lines.extend(seen.suggestive(ink.detail));
         lines.extend(seen.creases(Mark::Valley, 1, VALLEY / ink.detail));
         lines.extend(seen.creases(Mark::Ridge, 0, RIDGE / ink.detail));

@@ -61,9 +61,14 @@ fn by_length(mut runs: Vec<(Mark, Vec<Sample>)>) -> Vec<(Mark, Vec<Sample>)> {
     runs
 }
 
+/// Which of two values holds for a line, outside or inside.
+fn inside(mark: Mark) -> usize {
+    usize::from(mark != Mark::Contour)
+}
+
 /// Whether a run is long and strong enough.
 fn says(mark: Mark, run: &[Sample], unit: f64) -> bool {
-    let least = SHORT[usize::from(mark != Mark::Contour)] * unit;
+    let least = SHORT[inside(mark)] * unit;
     extent(run) >= least && run.iter().any(|s| s.seen && s.on.strength >= 1.0)
 }
 
@@ -118,8 +123,7 @@ fn close(samples: &mut Vec<Sample>, step: f64) {
 /// The pieces of a line that are seen and strong enough, without short gaps; inside, without short bits.
 fn seen_runs(mark: Mark, samples: Vec<Sample>, unit: f64) -> Vec<Vec<Sample>> {
     let drawn: Vec<bool> = samples.iter().map(|s| s.seen && s.on.strength >= 0.5).collect();
-    let inside = usize::from(mark != Mark::Contour);
-    let gap = GAP[inside] * unit;
+    let gap = GAP[inside(mark)] * unit;
     let mut pieces: Vec<Range<usize>> = Vec::new();
     for (_, piece) in ranges(&drawn).into_iter().filter(|(drawn, _)| *drawn) {
         match pieces.last_mut() {
@@ -127,7 +131,7 @@ fn seen_runs(mark: Mark, samples: Vec<Sample>, unit: f64) -> Vec<Vec<Sample>> {
             _ => pieces.push(piece),
         }
     }
-    let kept = |run: &[Sample]| if inside == 0 { run.len() > 1 } else { says(mark, run, unit) };
+    let kept = |run: &[Sample]| if mark == Mark::Contour { run.len() > 1 } else { says(mark, run, unit) };
     pieces.into_iter().map(|piece| samples[piece].to_vec()).filter(|run| kept(run)).collect()
 }
 
@@ -186,7 +190,7 @@ fn without_doubles(runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<
     let mut occupied = Occupied::new(SAME[0].max(SAME[1]) * unit);
     let mut kept = Vec::with_capacity(runs.len());
     for (mark, run) in runs {
-        let inside = usize::from(mark != Mark::Contour);
+        let inside = inside(mark);
         let near = SAME[inside] * unit;
         let last = run.len() - 1;
         let along: Vec<[f64; 2]> =
@@ -270,7 +274,7 @@ fn joined(runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<Sample>)>
 /// Whether, turned or not, the end of `a` leads into the beginning of `b`, and over how wide a gap.
 fn fit(mark: Mark, a: &[Sample], b: &[Sample], unit: f64) -> Option<(f64, [bool; 2])> {
     const LOOK_BACK: usize = 4;
-    let inside = usize::from(mark != Mark::Contour);
+    let inside = inside(mark);
     // The place of an end, and one a little before it.
     let end = |run: &[Sample], last: bool| {
         let n = run.len() - 1;
