@@ -25,6 +25,16 @@ pub(crate) fn is_opaque(rgba: &[u8]) -> bool {
 }
 
 impl Picture {
+    /// Whether nothing shines through any pixel.
+    pub fn is_opaque(&self) -> bool {
+        is_opaque(&self.rgba)
+    }
+
+    /// The color of a pixel of straight alpha that is laid on black.
+    pub fn on_black([r, g, b, alpha]: [u8; 4]) -> [u8; 3] {
+        [r, g, b].map(|channel| ((u16::from(channel) * u16::from(alpha) + 127) / 255) as u8)
+    }
+
     /// A picture of one color.
     pub fn filled(width: u32, height: u32, color: [u8; 4]) -> Self {
         Self { width, height, rgba: color.repeat(width as usize * height as usize) }

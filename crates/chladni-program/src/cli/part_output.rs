@@ -36,11 +36,7 @@ pub struct PartOutput {
 impl PartOutput {
     /// Whether the files can be written, and no option is without effect, before work is done for them.
     pub fn check(&self) -> Result<(), Error> {
-        if self.render.is_none()
-            && let Some(option) = self.portrait.given()
-        {
-            return Err(Error::Input(format!("{option} is for a picture, and none is drawn here")));
-        }
+        self.portrait.check_used(self.render.is_some())?;
         self.portrait.check()?;
         self.output.as_deref().map_or(Ok(()), check_arrays)?;
         self.render.as_deref().map_or(Ok(()), check_picture)
@@ -67,15 +63,11 @@ impl PartOutput {
         let mut picture = render_placed(&mut Renderer::new(terminal.device()?), &request, &placed)?;
         let tree = PickTree::new(&positions, &triangles);
         let samples = shape.samples(&positions, &triangles);
-        for (cell, camera) in placed {
-            let size_px = (cell.width.min(cell.height) as f32 / 30.0).max(12.0);
-            let eye = camera.eye().map(f64::from);
-            let pixel_if_seen = |p: [f32; 3]| {
-                let is_hidden = tree.blocks(eye, p.map(f64::from), &positions, &triangles);
-                camera.project(p, cell).filter(|_| !is_hidden).map(|(pixel, _)| pixel)
-            };
-            for ((text, _), samples) in marks.iter().zip(&samples) {
-                let Some([x, y]) = middle(samples, pixel_if_seen) else { continue };
+        for view in &placed {
+            let size_px = (view.0.width.min(view.0.height) as f32 / 30.0).max(12.0);
+            let places = places_of_text(&samples, view, &tree, (&positions, &triangles));
+            for ((text, _), place) in marks.iter().zip(places) {
+                let Some([x, y]) = place else { continue };
                 let letters = Lettering::new(text, size_px);
                 let room = width as f32 - letters.width() as f32;
                 let left = (x - 0.5 * letters.width() as f32).min(room).max(0.0);
@@ -146,6 +138,21 @@ impl Divided<'_> {
     }
 }
 
+/// For each part the pixel of its text in a cell, if it has one there; `samples` are vertices of the parts.
+fn places_of_text(
+    samples: &[Vec<[f32; 3]>],
+    (cell, camera): &(Rect, Camera),
+    tree: &PickTree,
+    (positions, triangles): (&[[f32; 3]], &[[u32; 3]]),
+) -> Vec<Option<[f32; 2]>> {
+    let eye = camera.eye().map(f64::from);
+    let pixel_if_seen = |p: [f32; 3]| {
+        let is_hidden = tree.blocks(eye, p.map(f64::from), positions, triangles);
+        camera.project(p, *cell).filter(|_| !is_hidden).map(|(pixel, _)| pixel)
+    };
+    samples.iter().map(|samples| middle(samples, pixel_if_seen)).collect()
+}
+
 /// The pixel of the vertex in the middle of those that are seen; `None` of a part that is hidden, or nearly so: its text
 /// would lie on others.
 fn middle(samples: &[[f32; 3]], pixel_if_seen: impl Fn([f32; 3]) -> Option<[f32; 2]>) -> Option<[f32; 2]> {
@@ -189,15 +196,8 @@ mod tests {
         let samples = shape.samples(&positions, &triangles);
         let tree = PickTree::new(&positions, &triangles);
         let placed = both_sides(Camera::default(), &positions, Rect::of_size(400, 200));
-        let middles = |(cell, camera): &(Rect, Camera)| {
-            let eye = camera.eye().map(f64::from);
-            let pixel = |p: [f32; 3]| {
-                let is_hidden = tree.blocks(eye, p.map(f64::from), &positions, &triangles);
-                camera.project(p, *cell).filter(|_| !is_hidden).map(|(pixel, _)| pixel)
-            };
-            samples.iter().map(|samples| middle(samples, pixel)).collect::<Vec<_>>()
-        };
-        let [front, back] = [0, 1].map(|side| middles(&placed[side]));
+        let [front, back] =
+            [0, 1].map(|side| places_of_text(&samples, &placed[side], &tree, (&positions, &triangles)));
         let across = |at: &Option<[f32; 2]>| at.map(|[x, _]| x);
         assert!(across(&front[0]).is_some_and(|x| (30.0..90.0).contains(&x)), "{front:?}");
         assert!(across(&front[1]).is_some_and(|x| (110.0..170.0).contains(&x)), "{front:?}");

@@ -35,10 +35,18 @@ impl Portrait {
         self.size.unwrap_or([1600, 900])
     }
 
-    /// One of these options that was given, by its name.
-    pub fn given(&self) -> Option<&'static str> {
+    /// Refuses these options where no picture `is_drawn`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the first of them.
+    pub fn check_used(&self, is_drawn: bool) -> Result<(), Error> {
         let given = self.view.map(|_| "--view").or(self.size.map(|_| "--size"));
-        given.or_else(|| self.stance.given())
+        match given.or_else(|| self.stance.given()) {
+            Some(option) if !is_drawn => {
+                Err(Error::Input(format!("{option} is for a picture, and none is drawn here")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// From where the shape called `name` is seen; `kept` is how its project says that it stands, `matched` how

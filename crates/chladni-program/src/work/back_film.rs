@@ -103,7 +103,7 @@ fn matrix_of(path: &Path) -> &'static str {
     command.args(["-nostdin", "-loglevel", "info"]);
     add_input(&mut command, path, &FORMATS);
     command.args(["-an", "-sn", "-vf", "showinfo", "-frames:v", "1", "-f", "null", "-"]);
-    // Why nothing can be read of it, its decoder says.
+    // Where nothing can be read of the film, its decoder says why.
     let said = command.stdin(Stdio::null()).output().map(|output| output.stderr).unwrap_or_default();
     if is_untagged_hd(&String::from_utf8_lossy(&said)) { "bt709" } else { "auto" }
 }

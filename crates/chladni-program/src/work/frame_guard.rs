@@ -43,9 +43,8 @@ impl FrameGuard {
         self.histogram.clear();
         let step = step(pixels.len(), size[0] as usize);
         let [mut column, mut row] = [0, 0];
-        for [r, g, b, alpha] in pixels.iter().step_by(step) {
-            let over_black = |channel: u8| ((u16::from(channel) * u16::from(*alpha) + 127) / 255) as u8;
-            self.histogram.add([column, row], size, [*r, *g, *b].map(over_black));
+        for pixel in pixels.iter().step_by(step) {
+            self.histogram.add([column, row], size, Picture::on_black(*pixel));
             // Cheaper than a division for each.
             column += step as u32;
             while column >= size[0].max(1) {
@@ -79,11 +78,10 @@ impl FrameGuard {
 
 /// Lays a veil over a picture.
 fn lay(veil: Veil, picture: &mut Picture) {
-    let is_opaque = |picture: &Picture| picture.rgba.as_chunks::<4>().0.iter().all(|pixel| pixel[3] == 255);
     match veil {
         Veil::Clear => {}
         // It is seen where the picture is transparent, too.
-        Veil::White(opacity) if !is_opaque(picture) => {
+        Veil::White(opacity) if !picture.is_opaque() => {
             let white = Picture::filled(picture.width, picture.height, [255, 255, 255, opacity]);
             picture.blend(&white, 0, 0, 1.0);
         }

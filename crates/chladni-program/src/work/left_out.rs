@@ -50,8 +50,8 @@ pub(super) fn left_pictures(source: &Path, mesh: &TriMesh, path: &Path) -> Optio
     ))
 }
 
-/// The picture beside an OBJ that a statement of its material names, if it is one that names any, with `/` between the
-/// parts: the name may hold blanks, or be the last word, after options that are not known.
+/// The names that the picture of a material's statement may have, with `/` between the parts; `None` where the statement
+/// names no picture. A name may hold blanks, or be the last word after options that are not known.
 pub(super) fn other_picture(statement: &str) -> Option<impl Iterator<Item = String>> {
     let (keyword, rest) = statement.split_once(char::is_whitespace)?;
     let is_picture =

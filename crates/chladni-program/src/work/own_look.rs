@@ -93,8 +93,11 @@ pub fn texture_colors(name: &str, subject: &Subject, watcher: &impl Watcher) -> 
     if let Some((uvs, picture)) = picture_of_materials(name, whole, watcher) {
         return Some(sampled(proxy, &uvs, &picture));
     }
-    // The proxy has the others itself.
-    let colors = vertex_colors(whole).filter(|_| whole.appearance.colors_tint)?;
+    // The proxy has colors that do not tint itself.
+    if !whole.appearance.colors_tint {
+        return None;
+    }
+    let colors = vertex_colors(whole)?;
     proxy.whole_vertex().iter().map(|vertex| colors.get(*vertex as usize).copied()).collect()
 }
 

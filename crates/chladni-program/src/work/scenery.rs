@@ -82,11 +82,9 @@ impl Scenery {
 /// A picture that stands as the camera was held, over black where it is translucent.
 fn opaque(bytes: &[u8]) -> Result<Picture, ViewError> {
     let mut picture = Picture::decode_upright(bytes)?;
-    for [color @ .., alpha] in picture.rgba.as_chunks_mut::<4>().0 {
-        for channel in color {
-            *channel = ((u16::from(*channel) * u16::from(*alpha) + 127) / 255) as u8;
-        }
-        *alpha = 255;
+    for pixel in picture.rgba.as_chunks_mut::<4>().0 {
+        let [r, g, b] = Picture::on_black(*pixel);
+        *pixel = [r, g, b, 255];
     }
     Ok(picture)
 }

@@ -181,8 +181,8 @@ pub fn long_song_within(left: usize, name: impl AsRef<Path>, watcher: &impl Watc
     }
 }
 
-/// How much the samples of all songs of a film may take where this much memory is `free`:
-/// together with its sound, which is as long as they are unless its seconds are known, three quarters of it.
+/// How much the samples of all songs of a film may take where this much memory is `free`: they and the film's sound share
+/// three quarters of it. Where the film's seconds are not known, its sound is as long as the songs.
 pub fn most_bytes_of_all(free: Option<u64>, film_secs: Option<f64>) -> usize {
     const SOUND_BYTES_PER_SEC: f64 = 8.0 * 48_000.0;
     let Some(free) = free else { return usize::MAX };

@@ -124,9 +124,9 @@ fn on_black<'a>(rgba: &'a [u8], memory: &'a mut Vec<u8>) -> &'a [u8] {
     }
     let pixels = rgba.as_chunks::<4>().0;
     memory.clear();
-    memory.extend(pixels.iter().flat_map(|&[r, g, b, a]| {
-        let dim = |c: u8| ((u16::from(c) * u16::from(a) + 127) / 255) as u8;
-        [dim(r), dim(g), dim(b), 255]
+    memory.extend(pixels.iter().flat_map(|pixel| {
+        let [r, g, b] = Picture::on_black(*pixel);
+        [r, g, b, 255]
     }));
     memory
 }

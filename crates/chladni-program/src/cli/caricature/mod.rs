@@ -145,14 +145,7 @@ impl Caricature {
                 "--keep-triangles is for one of the gallery as a mesh: --variant N or --surprise",
             ));
         }
-        if !draws_sheet
-            && self.render.is_none()
-            && self.turntable.turntable.is_none()
-            && let Some(option) = self.portrait.given()
-        {
-            return Err(Error::Input(format!("{option} is for a picture, and none is drawn here")));
-        }
-        Ok(())
+        self.portrait.check_used(draws_sheet || self.render.is_some() || self.turntable.turntable.is_some())
     }
 
     /// Checks, before any work, that the results can be written, and replace none of the files that are read: those of

@@ -13,7 +13,7 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::notices::Notices;
 use crate::studio::theme;
-use crate::work::{Error, is_hidden};
+use crate::work::{Error, is_hidden, make_folder};
 
 /// At most this many presets are read.
 const MOST: usize = 2000;
@@ -178,7 +178,7 @@ impl Shelf {
         let tags = form.tags.split(',').map(str::trim).filter(|tag| !tag.is_empty());
         let mut preset = instrument.preset(item, tags.map(str::to_owned).collect());
         preset.name = form.name.trim().to_owned();
-        chladni_task::create_folder(folder).map_err(|why| Error::unwritten(folder, why))?;
+        make_folder(folder)?;
         let path = free_path(folder, &preset.name);
         preset.save(&path).map_err(Error::unsaved)?;
         self.read = false;

@@ -66,7 +66,7 @@ fn has_vertex_colors(mesh: &TriMesh) -> bool {
 /// multiplied with the color of the first triangle's material at each vertex.
 pub fn vertex_colors(mesh: &TriMesh) -> Option<Vec<[f32; 4]>> {
     let look = &mesh.appearance;
-    let mut colors = look.colors.clone().filter(|_| has_vertex_colors(mesh))?;
+    let mut colors = look.colors.as_ref().filter(|_| has_vertex_colors(mesh))?.clone();
     if look.colors_tint && !look.face_materials.is_empty() {
         let mut is_tinted = vec![false; colors.len()];
         for (triangle, material) in mesh.triangles.iter().zip(mesh.triangle_materials()) {
