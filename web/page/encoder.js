@@ -33,7 +33,7 @@ async function first(kind, configs) {
 
 export class EncodedFilm {
   /** A film of `width` × `height` pixels, of so many pictures a second, with sound of `soundRate`, if any. It is silent where
-   * the browser encodes no sound, or none that a file can hold: `isSilent` says so in the end. */
+   * the browser encodes no sound, or none that a file can hold, as `isSilent` says in the end. */
   static async open(width, height, rate, soundRate) {
     const bitrate = Math.round(PIXEL_BITS * width * height * rate);
     const pictures = await first(VideoEncoder, PICTURES.map((codec) => (
@@ -45,7 +45,7 @@ export class EncodedFilm {
   }
 
   constructor(pictures, sounds) {
-    Object.assign(this, { config: pictures, sounds, isSilent: !sounds, pieces: [], count: 0 });
+    Object.assign(this, { config: pictures, sounds, pieces: [], count: 0 });
     const error = (failed) => { this.failed ??= failed; };
     const taken = (isSound) => (chunk, metadata) => {
       const data = new Uint8Array(chunk.byteLength);
@@ -103,6 +103,9 @@ export class EncodedFilm {
     return this.file();
   }
 
+  /** Whether it has no sound that a file can hold; known once it has ended. */
+  get isSilent() { return !this.soundAs; }
+
   /** Whether a picture is encoded by now. */
   get hasPictures() { return !!this.picturesAs; }
 
@@ -120,7 +123,6 @@ export class EncodedFilm {
         frame.with_sound(this.sounds.codec, bytesOf(this.soundAs.description), soundRate);
       } catch { this.soundAs = undefined; }
     }
-    this.isSilent = !this.soundAs;
     const pieces = this.pieces.filter(({ isSound }) => !isSound || this.soundAs);
     for (const { data, isSound, micros, isKey } of pieces) {
       frame.add(isSound, data.length, isSound ? Math.round((micros * soundRate) / 1e6) : 1, isKey);

@@ -1,12 +1,13 @@
 // The page: its front, the way into both rooms, and the files that are brought.
 import init, { kind, songs_in_list, without_companions } from "./chladni_web.js";
-import { ask, compiled, giveUp } from "./work.js";
+import { compiled, giveUp } from "./work.js";
 import { openCard } from "./card.js";
 import { hands } from "./hands.js";
 import { attempt, attemptOf, base, of, on, report, say } from "./page.js";
 import { start as draw } from "./picture.js";
 import { notKept, tellCores, threadFiles } from "./threads.js";
 import * as music from "./music.js";
+import * as songs from "./songs.js";
 import { isFilmed, isUnfinished } from "./room_films.js";
 import * as caricature from "./caricature.js";
 
@@ -159,7 +160,7 @@ async function load() {
 }
 
 const start = attempt(async () => {
-  const tune = ask({ work: "decode", name: "sample:tune" }, undefined, "song");
+  const tune = songs.decode({ name: songs.TUNE });
   tune.catch(() => {});
   const memory = await load();
   if (!memory) return;

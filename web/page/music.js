@@ -451,12 +451,11 @@ function refresh() {
   of("shape").querySelector("[value='']").textContent = option ? "Other…" : state.body;
 }
 
-/** The song is heard from here on; where there is none, the tune comes. */
+/** Lets the song be heard from here on. Without one the tune is fetched: it may have been cancelled, or lost with its worker. */
 async function playAloud() {
   if (!(await sound.play())) say("No sound device answers: the song runs on silently.", true);
-  // The tune that was cancelled, or lost with its worker, comes once somebody wants to hear it.
   if (songs.current() || works("song")) return;
-  await know(busy("Our own tune", (tell) => ask({ work: "decode", name: songs.TUNE }, tell, "song")));
+  await know(busy("Our own tune", (tell) => songs.decode({ name: songs.TUNE }, tell)));
 }
 
 /** Goes in: what danced there goes on, or the octopus dances. */

@@ -13,9 +13,12 @@ let wasPlayed = false;
 /** A show was opened. */
 export function know(text, needs) { opened = { text, needs }; }
 
+/** The names of its songs that are not here. */
+const missingOf = (needs) => needs.songs.filter((name) => !songs.find(name));
+
 /** The news that a show with these needs is open on its body: what it still lacks, and what is other here. */
 export function isOpen(name, needs, looks) {
-  const missing = needs.songs.filter((song) => !songs.find(song));
+  const missing = missingOf(needs);
   const lacks = missing.length && `${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.`;
   const behind = [looks.picture, looks.panorama].filter(Boolean).map(base);
   const unseen = !lacks && behind.length
@@ -38,7 +41,7 @@ export function skip(secs) { waitedSecs += secs; }
 /** The songs of the show that was opened, by their numbers there. */
 function cast() {
   if (!opened) return [];
-  const missing = opened.needs.songs.filter((name) => !songs.find(name));
+  const missing = missingOf(opened.needs);
   if (missing.length) throw new Error(`The show was danced to ${missing.join(", ")}: drop that song, too.`);
   return songs.findForShow(opened.needs.songs);
 }

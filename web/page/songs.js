@@ -74,7 +74,8 @@ export function strike(song) {
   return list[index];
 }
 
-async function decode(song, report, worker = "song") {
+/** The sound of a song, decoded by a worker. */
+export async function decode(song, report, worker = "song") {
   const bytes = song.file && new Uint8Array(await song.file.arrayBuffer());
   return ask({ work: "decode", name: song.name, bytes }, report, worker);
 }

@@ -3,8 +3,7 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { song } from "../browser.mjs";
-import { address, browser, drop, folder, step, until } from "./driver.mjs";
-import { dances, says, songIs, songNow } from "./haste.mjs";
+import { address, browser, dances, drop, folder, says, songIs, songNow, step, until } from "./driver.mjs";
 import { holdsBack, release } from "./held.mjs";
 
 const LAPTOP = { width: 1280, height: 800 };

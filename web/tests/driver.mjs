@@ -53,6 +53,12 @@ export const drop = (page, ...files) => page.evaluate((files) => {
   document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true, cancelable: true }));
 }, files.map(([name, bytes]) => [name, bytes.toString("base64")]));
 export const until = (page, condition, argument) => page.waitForFunction(condition, argument, WAIT);
+/** Another shape dances, the line at the top says something, a song is the one that plays. */
+export const dances = (page, name) => until(page, (name) => window.chladni.state?.body === name, name);
+export const says = (page, text) => (
+  until(page, (text) => document.getElementById("status").textContent.includes(text), text));
+export const songIs = (page, text) => until(page, (text) => document.getElementById("song").textContent === text, text);
+export const songNow = (page) => page.textContent("#song");
 export const state = (page) => page.evaluate(() => window.chladni.state);
 
 /** The picture once it changes no more. */

@@ -3,17 +3,12 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { head, song, torus } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
-import { downloaded, drop, opened, step, until } from "./driver.mjs";
+import { dances, downloaded, drop, opened, says, songIs, songNow, step, until } from "./driver.mjs";
 import { comesLate, holdBack, holdsBack, isHeldBack, release } from "./held.mjs";
 
 const LAPTOP = { width: 1280, height: 800 };
 
 const body = (page) => page.evaluate(() => window.chladni.state.body);
-export const dances = (page, name) => until(page, (name) => window.chladni.state?.body === name, name);
-export const says = (page, text) => (
-  until(page, (text) => document.getElementById("status").textContent.includes(text), text));
-export const songIs = (page, text) => until(page, (text) => document.getElementById("song").textContent === text, text);
-export const songNow = (page) => page.textContent("#song");
 const plays = (page) => until(page, () => window.chladni.state.played);
 const generation = (page) => page.evaluate(() => window.chladni.state.generation);
 

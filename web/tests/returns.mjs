@@ -3,9 +3,8 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { head, song } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
-import { downloaded, drop, moves, opened, state, step, until } from "./driver.mjs";
+import { downloaded, drop, moves, opened, says, state, step, until } from "./driver.mjs";
 
-const says = (page, text) => until(page, (text) => document.getElementById("status").textContent.includes(text), text);
 const generation = (page, number) => until(page, (number) => window.chladni.state.generation === number, number);
 
 async function breed(page) {

@@ -6,8 +6,6 @@ use wasm_bindgen::prelude::*;
 
 use super::Concert;
 
-/// A microphone from which nothing has come for longer is silent.
-const QUIET_SECS: f64 = 0.2;
 /// A slow picture counts as this long: sound may be waiting behind it.
 const LONGEST_STEP_SECS: f64 = 0.1;
 
@@ -72,7 +70,7 @@ impl Live {
         let dt_secs = (at_secs - std::mem::replace(&mut self.last_secs, at_secs)).max(1e-3);
         let quiet_secs = self.quiet_secs.map_or(0.0, |secs| secs + dt_secs.min(LONGEST_STEP_SECS));
         self.quiet_secs = Some(quiet_secs);
-        if quiet_secs > QUIET_SECS {
+        if quiet_secs > Ear::QUIET_SECS {
             self.left.fill(0.0);
             self.right.fill(0.0);
         }

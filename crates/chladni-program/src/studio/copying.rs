@@ -7,7 +7,7 @@ const WRITING: f64 = 0.05;
 /// On the slowest disk no copy waits longer for that.
 pub const LONGEST_SECS: f64 = 60.0;
 
-/// How long after a copy, which took `took_secs` to write, the next one may be due.
-pub fn pause_secs(took_secs: f64) -> f64 {
-    (took_secs / WRITING).clamp(INTERVAL_SECS, LONGEST_SECS)
+/// How long after a copy, which took `took_secs` to write, the next one may be due: between these times.
+pub fn pause_secs(took_secs: f64, [least, most]: [f64; 2]) -> f64 {
+    (took_secs / WRITING).clamp(least, most)
 }

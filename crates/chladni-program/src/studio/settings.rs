@@ -110,11 +110,14 @@ impl Settings {
             if !path.exists() {
                 return self.save(path).map(|()| None);
             }
-            if Self::load(path).is_err() {
+            let read = read_text_file(path, LARGEST).and_then(|text| {
+                Self::from_text(&text)?;
+                text.parse::<toml::Table>().map_err(io::Error::other)
+            });
+            let Ok(there) = read else {
                 let aside = Self::set_aside(path)?;
                 return self.save(path).map(|()| Some(aside));
-            }
-            let there: toml::Table = read_text_file(path, LARGEST)?.parse().map_err(io::Error::other)?;
+            };
             let merged = toml::to_string_pretty(&self.over(before, there)?).map_err(io::Error::other)?;
             chladni_task::write_atomic(path, merged.as_bytes()).map(|()| None)
         })

@@ -62,6 +62,8 @@ impl BeatCount {
 impl Ear {
     /// After a longer pause only this much of the sound is heard.
     pub const LONGEST_SECS: f64 = 1.0;
+    /// Live input from which nothing has come for longer is silent. Between two blocks of one that sounds it takes less.
+    pub const QUIET_SECS: f64 = 0.2;
 
     /// For sound of this rate.
     ///

@@ -367,19 +367,13 @@ fn a_click_that_ends_a_name_saves_it_or_takes_it_back() {
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
     person.add_layer("magnify");
-    let rename_and_click = |person: &mut Person, name: &str, button: &str| {
-        person.press(Key::F2);
-        person.0.run_steps(2);
-        person.press_with(CTRL, Key::A);
-        person.0.event(egui::Event::Text(name.into()));
-        person.0.run_steps(2);
-        person.click(button);
-    };
-    rename_and_click(&mut person, "Nose", "undo");
+    rename(&mut person, "Nose");
+    person.click("undo");
     assert!(person.sees("Layer Magnify all 1"));
     let path = desk.path("named.chladni");
     desk.answers.add(&path);
-    rename_and_click(&mut person, "Chin", "save");
+    rename(&mut person, "Chin");
+    person.click("save");
     assert_eq!(Project::load(&path).unwrap().layers()[0].1.name, "Chin");
 }
 
@@ -389,13 +383,6 @@ fn what_ends_a_name_by_a_key_or_beside_the_list_has_it() {
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
     person.add_layer("magnify");
-    let rename = |person: &mut Person, name: &str| {
-        person.press(Key::F2);
-        person.0.run_steps(2);
-        person.press_with(CTRL, Key::A);
-        person.0.event(egui::Event::Text(name.into()));
-        person.0.run_steps(2);
-    };
     let click = |person: &mut Person, tip: &str| {
         let button = person.0.query_all_by_label_contains(tip).next().unwrap();
         button.click();
@@ -459,6 +446,15 @@ fn the_keyboard_reaches_what_is_common_and_crossings_are_counted() {
     assert!(layers[0].1.enabled && !layers[1].1.enabled);
     let nowhere = Painted::Vertices(vec![0.0; 642].into());
     assert_eq!((&layers[0].1.region.painted, &layers[1].1.region.painted), (&nowhere, &Painted::Everywhere));
+}
+
+/// Types another name for the chosen layer, and does not end it yet.
+fn rename(person: &mut Person, name: &str) {
+    person.press(Key::F2);
+    person.0.run_steps(2);
+    person.press_with(CTRL, Key::A);
+    person.0.event(egui::Event::Text(name.into()));
+    person.0.run_steps(2);
 }
 
 /// χ01 of the only layer, as the project is saved now.

@@ -81,8 +81,7 @@ impl Autosave {
 
     /// The time between two copies.
     fn interval_secs(&self) -> f64 {
-        let [least, most] = self.between_secs;
-        pause_secs(self.took_secs).clamp(least, most)
+        pause_secs(self.took_secs, self.between_secs)
     }
 
     /// A new error, if there is one.
@@ -181,7 +180,7 @@ fn work(recovery: Recovery, inbox: &Receiver<Order>, reports: &Sender<Report>) {
     }
 }
 
-/// Whether the copy ordered before `next` need not be written. One that is to be discarded needs it.
+/// Whether the copy ordered before `next` need not be written. It must be before an older one is discarded.
 fn replaces_a_copy(next: Option<&Order>) -> bool {
     matches!(next, Some(Order::Keep(..) | Order::Clear | Order::Finish))
 }

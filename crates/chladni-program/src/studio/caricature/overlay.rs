@@ -31,7 +31,7 @@ pub fn mark_place(ui: &Ui, area: egui::Rect, at: egui::Pos2, faces: bool) {
     }
 }
 
-/// Names the shapes in their cells, in a color that is read on what is behind them.
+/// Names the shapes in their cells, in a color that can be read on what is behind them.
 pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect], color: Color32) {
     let names: &[&str] = match show {
         Show::Result => return,

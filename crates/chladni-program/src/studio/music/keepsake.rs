@@ -13,7 +13,7 @@ use super::concert::Concert;
 use super::listening::Listening;
 use crate::studio::age::changed_ago;
 use crate::studio::author_id::AuthorId;
-use crate::studio::copying::pause_secs;
+use crate::studio::copying::{INTERVAL_SECS, LONGEST_SECS, pause_secs};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::unread;
@@ -34,7 +34,7 @@ struct Written {
 
 /// How long after a copy that took so long to write the next one of a show with so many actions may be due.
 fn interval_secs(took_secs: f64, actions: usize) -> f64 {
-    pause_secs(took_secs) + actions as f64 / ACTIONS_PER_SEC
+    pause_secs(took_secs, [INTERVAL_SECS, LONGEST_SECS]) + actions as f64 / ACTIONS_PER_SEC
 }
 
 /// What a copy has of a show that goes on. Where any of it is another by now, a new copy is due.
@@ -330,7 +330,6 @@ fn changed(path: &Path) -> Option<SystemTime> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::studio::copying::{INTERVAL_SECS, LONGEST_SECS};
     use chladni_music::Parameters;
 
     #[test]

@@ -1,6 +1,6 @@
 //! The picture of the stage on a projector's wall: four corners to be pinned, and how bright each color is.
 
-use egui::{Color32, Mesh, Pos2, Rect, Sense, Stroke, TextureId, Ui, Vec2, pos2, vec2};
+use egui::{Color32, Mesh, Rect, Sense, Stroke, TextureId, Ui, Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
 use crate::studio::author_id::AuthorId;
@@ -67,8 +67,7 @@ impl Projection {
         let [r, g, b] = self.trim.map(|share| (255.0 * share).round() as u8);
         let tint = Color32::from_rgb(r, g, b);
         if !self.is_pinned() {
-            let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-            ui.painter().image(texture, rect, whole, tint);
+            ui.painter().image(texture, rect, theme::WHOLE_IMAGE, tint);
             return;
         }
         ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
@@ -179,6 +178,7 @@ fn is_convex(corners: &[[f32; 2]; 4]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use egui::pos2;
 
     fn skewed() -> Projection {
         Projection { corners: [[0.1, 0.05], [0.9, 0.2], [1.0, 0.9], [-0.05, 0.8]], ..Projection::default() }

@@ -5,11 +5,10 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use chladni_sound::{Capture, CaptureSource};
 
 use super::Listening;
+use crate::work::Ear;
 
 /// The pause between two attempts to find a lost source.
 const AGAIN_SECS: f64 = 1.0;
-/// A source from which nothing has come for longer is silent. Between two blocks of one that sounds it takes less.
-const QUIET_SECS: f64 = 0.2;
 
 /// A live input that is listened to instead of a song.
 pub struct Live {
@@ -72,7 +71,7 @@ impl Live {
 
     /// Copies the newest sound that was taken; silence where none comes any more.
     pub(super) fn window(&self, left: &mut [f32], right: &mut [f32]) {
-        if self.capture.is_lost() || self.quiet_secs > QUIET_SECS {
+        if self.capture.is_lost() || self.quiet_secs > Ear::QUIET_SECS {
             left.fill(0.0);
             right.fill(0.0);
         } else {

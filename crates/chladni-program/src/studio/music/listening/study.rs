@@ -58,8 +58,8 @@ impl Study {
         let thread = std::thread::spawn(move || {
             // Nobody listens any more where another song is studied.
             study(&path, known, &ctx, &worker, |learned| drop(teller.send(learned)));
-            // A show names the file by its hash, also one that cannot be studied: saving need not wait until it is read for
-            // that.
+            // A show names each file by its hash, also one that cannot be studied. Hashed here, it does not keep saving
+            // waiting.
             if !worker.is_cancelled() {
                 known_hash(&path);
             }
