@@ -17,10 +17,10 @@ pub struct Caption {
     drawn: Option<Drawn>,
 }
 
-/// What is laid over a picture of some height.
+/// What is laid over a picture of some size.
 #[derive(Clone, Debug, PartialEq)]
 struct Drawn {
-    height: u32,
+    size: [u32; 2],
     letters: Lettering,
     cover: Picture,
 }
@@ -36,19 +36,21 @@ impl Caption {
         if opacity <= 0.0 {
             return;
         }
-        let height = picture.height;
-        let [size, left, bottom] = TITLE.map(|length| length * height as f32 / 720.0);
-        if self.drawn.as_ref().is_none_or(|drawn| drawn.height != height) {
+        let (width, height) = (picture.width, picture.height);
+        let [size, left, bottom] = TITLE.map(|length| length * width.min(height) as f32 / 720.0);
+        let beside =
+            |cover: &Picture| left + if cover.width > 0 { cover.width as f32 + GAP * size } else { 0.0 };
+        if self.drawn.as_ref().is_none_or(|drawn| drawn.size != [width, height]) {
             let cover =
                 self.cover.as_ref().map(|cover| Picture::clone(cover).thumbnail((COVER * size) as u32));
-            let (letters, cover) = (Lettering::new(&self.text, size), cover.unwrap_or_default());
-            self.drawn = Some(Drawn { height, letters, cover });
+            let cover = cover.unwrap_or_default();
+            let room = width as f32 - left - beside(&cover);
+            let letters = Lettering::within(&self.text, size, room);
+            self.drawn = Some(Drawn { size: [width, height], letters, cover });
         }
         let Some(Drawn { letters, cover, .. }) = &self.drawn else { return };
         let foot = (height as f32 - bottom - 0.2 * size).max(0.0).floor();
-        let beside = if cover.width > 0 { cover.width as f32 + GAP * size } else { 0.0 };
-        let place = [(left + beside).floor(), foot];
-        letters.lay_with_halo(picture, place, size, opacity);
+        letters.lay_with_halo(picture, [beside(cover).floor(), foot], size, opacity);
         let top = (height as f32 - bottom) as u32;
         picture.blend(cover, left as u32, top.saturating_sub(cover.height), opacity);
     }
@@ -71,7 +73,7 @@ mod tests {
         assert!(picture.pixel(64, 660).is_some_and(|p| p[1] > 197));
         let letters = |x| (600..680).any(|y| picture.pixel(x, y).is_some_and(|p| p[0] > 100));
         assert!((0..100).all(|x| !letters(x)) && (100..220).any(letters));
-        // A picture of another height has letters of another size.
+        // A picture of another size has letters of another size.
         let mut small = Picture::filled(640, 360, [0, 0, 0, 255]);
         caption.lay(&mut small, 1.0);
         assert!(
@@ -84,8 +86,21 @@ mod tests {
     }
 
     #[test]
+    fn a_long_title_ends_within_a_narrow_picture() {
+        let long = "The Rolling Stones – Sympathy for the Devil (Live at Hyde Park, London)";
+        for [width, height] in [[720, 1280], [1280, 720], [360, 360]] {
+            let mut picture = Picture::filled(width, height, [0, 0, 0, 255]);
+            Caption::new(long.into(), None).lay(&mut picture, 1.0);
+            let is_lit = |x: u32| (0..height).any(|y| picture.pixel(x, y).is_some_and(|p| p[0] > 60));
+            let last = (0..width).rev().find(|x| is_lit(*x)).unwrap();
+            let edge = width - 32 * width.min(height) / 720;
+            assert!(last <= edge + 1 && last > width / 2, "{width}×{height}: {last}");
+        }
+    }
+
+    #[test]
     fn letters_are_read_on_white() {
-        let mut picture = Picture::filled(300, 1440, [255; 4]);
+        let mut picture = Picture::filled(1440, 1440, [255; 4]);
         Caption::new("I".into(), None).lay(&mut picture, 1.0);
         // Across the letter, from its halo on one side to that on the other.
         let row: Vec<u8> = (0..300).filter_map(|x| Some(picture.pixel(x, 1320)?[0])).collect();

@@ -1,22 +1,34 @@
-//! A line of text on a picture: outlines of a font, filled row by row.
+//! A line of text on a picture, in the letters of the window.
+
+use std::sync::LazyLock;
 
 use chladni_view::Picture;
-use skrifa::instance::{LocationRef, Size};
-use skrifa::outline::{DrawSettings, OutlinePen};
-use skrifa::{FontRef, MetadataProvider};
+use egui::epaint::FontColorTransferFunction;
+use egui::epaint::text::{Fonts, TextOptions, ViewportKey};
+use egui::mutex::Mutex;
+use egui::text::{LayoutJob, TextFormat, TextWrapping};
+use egui::{Color32, ColorImage, FontDefinitions, FontId};
 
+use super::system_fonts::system_fonts;
 use super::titles::{halo_offsets, halo_opacity};
 
-/// The letters of the window.
-const FONT: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
-/// Rows in a row of pixels.
-const FINER: usize = 4;
-/// Lines for a curve.
-const PIECES: u16 = 8;
 /// Longer lines would leave any picture.
 const LONGEST: usize = 300;
 /// How opaque white letters get.
 const WHITE: f32 = 220.0 / 255.0;
+/// Pictures have room for large letters, and blend them by the share of each pixel that they cover.
+const OPTIONS: TextOptions = TextOptions {
+    max_texture_side: 8192,
+    color_transfer_function: FontColorTransferFunction::Off,
+    font_hinting: false,
+    subpixel_binning: true,
+};
+
+/// The window's letters, and those of the system for scripts that these lack.
+static FONTS: LazyLock<Mutex<Fonts>> = LazyLock::new(|| {
+    let fonts = Fonts::new(OPTIONS, FontDefinitions::default());
+    Mutex::new(fonts.with_font_providers(vec![system_fonts()]))
+});
 
 /// A line of text, as how much of each pixel it covers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,26 +41,53 @@ pub struct Lettering {
 }
 
 impl Lettering {
-    /// `text` in letters of this size, in pixels; empty if the font cannot be read. Characters that the font
-    /// lacks become question marks.
+    /// `text` in letters of this size, in pixels. Characters that no font has become boxes.
     pub fn new(text: &str, size_px: f32) -> Self {
-        let Ok(font) = FontRef::new(FONT) else { return Self::default() };
-        let (size, place) = (Size::new(size_px), LocationRef::default());
-        let (letters, outlines) = (font.charmap(), font.outline_glyphs());
-        let (advances, line) = (font.glyph_metrics(size, place), font.metrics(size, place));
-        let ascent = line.ascent.max(0.0).ceil();
-        let mut pen = Pen { at: [0.0, ascent], ..Pen::default() };
-        for letter in text.chars().take(LONGEST) {
-            let Some(glyph) = letters.map(letter).or_else(|| letters.map('?')) else { continue };
-            if let Some(outline) = outlines.get(glyph) {
-                // A letter that the font cannot draw leaves a gap.
-                drop(outline.draw(DrawSettings::unhinted(size, place), &mut pen));
-            }
-            pen.at[0] += advances.advance_width(glyph).unwrap_or(0.0);
+        Self::within(text, size_px, f32::INFINITY)
+    }
+
+    /// The same, at most so wide: a longer text ends in an ellipsis.
+    pub fn within(text: &str, size_px: f32, width_px: f32) -> Self {
+        let visible = |letter: char| if letter.is_control() { ' ' } else { letter };
+        let text: String = text.chars().take(LONGEST).map(visible).collect();
+        let format = TextFormat::simple(FontId::proportional(size_px), Color32::WHITE);
+        let wrap = TextWrapping::truncate_at_width(width_px.max(0.0));
+        let job = LayoutJob { wrap, break_on_newline: false, ..LayoutJob::single_section(text, format) };
+        let mut fonts = FONTS.lock();
+        fonts.begin_pass(OPTIONS, ViewportKey::default());
+        let galley = fonts.with_pixels_per_point(1.0).layout_job(job);
+        let Some(row) = galley.rows.first().filter(|row| !row.row.glyphs.is_empty()) else {
+            return Self::default();
+        };
+        let [width, height] = [galley.size().x, galley.size().y].map(|length| length.ceil() as usize);
+        let ascent = row.row.glyphs.first().map_or(0.0, |glyph| row.pos.y + glyph.pos.y).round() as usize;
+        let mut line = Self { width, height, covered: vec![0.0; width * height], ascent };
+        let letters = fonts.texture_atlas().image();
+        for glyph in &row.row.glyphs {
+            let corner = (row.pos + glyph.pos.to_vec2() + glyph.uv_rect.offset).round();
+            line.add(letters, (glyph.uv_rect.min, glyph.uv_rect.max), [corner.x as isize, corner.y as isize]);
         }
-        let width = pen.at[0].max(0.0).ceil() as usize;
-        let height = ascent as usize + (-line.descent).max(0.0).ceil() as usize;
-        Self { width, height, covered: filled(&pen.edges, width, height), ascent: ascent as usize }
+        line
+    }
+
+    /// Adds what is between two corners of `letters`; its own first corner is at `at`.
+    fn add(&mut self, letters: &ColorImage, (min, max): ([u16; 2], [u16; 2]), at: [isize; 2]) {
+        let [min, max] = [min, max].map(|corner| corner.map(usize::from));
+        for (down, y) in (min[1]..max[1]).enumerate() {
+            let Some(row) = at[1].checked_add_unsigned(down).and_then(|y| usize::try_from(y).ok()) else {
+                continue;
+            };
+            let Some(pixels) = self.covered.get_mut(row * self.width..(row + 1) * self.width) else {
+                continue;
+            };
+            for (across, x) in (min[0]..max[0]).enumerate() {
+                let column = at[0].checked_add_unsigned(across).and_then(|x| usize::try_from(x).ok());
+                if let Some(pixel) = column.and_then(|x| pixels.get_mut(x)) {
+                    let covered = letters.pixels.get(y * letters.width() + x).map_or(0, |color| color.a());
+                    *pixel = (*pixel + f32::from(covered) / 255.0).min(1.0);
+                }
+            }
+        }
     }
 
     /// How many pixels wide it is.
@@ -90,105 +129,9 @@ impl Lettering {
     }
 }
 
-/// Draws outlines as edges, y down, from a place on the line.
-#[derive(Default)]
-struct Pen {
-    at: [f32; 2],
-    first: [f32; 2],
-    last: [f32; 2],
-    edges: Vec<[[f32; 2]; 2]>,
-}
-
-impl Pen {
-    fn place(&self, x: f32, y: f32) -> [f32; 2] {
-        [self.at[0] + x, self.at[1] - y]
-    }
-
-    fn go(&mut self, to: [f32; 2]) {
-        self.edges.push([self.last, to]);
-        self.last = to;
-    }
-
-    /// Along a curve in [0, 1].
-    fn bend(&mut self, curve: impl Fn(f32) -> [f32; 2]) {
-        (1..=PIECES).for_each(|i| self.go(curve(f32::from(i) / f32::from(PIECES))));
-    }
-}
-
-fn between(a: [f32; 2], b: [f32; 2], share: f32) -> [f32; 2] {
-    [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
-}
-
-impl OutlinePen for Pen {
-    fn move_to(&mut self, x: f32, y: f32) {
-        self.first = self.place(x, y);
-        self.last = self.first;
-    }
-
-    fn line_to(&mut self, x: f32, y: f32) {
-        self.go(self.place(x, y));
-    }
-
-    fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
-        let (a, b, c) = (self.last, self.place(cx, cy), self.place(x, y));
-        self.bend(|t| between(between(a, b, t), between(b, c, t), t));
-    }
-
-    fn curve_to(&mut self, cx0: f32, cy0: f32, cx1: f32, cy1: f32, x: f32, y: f32) {
-        let (a, b, c, d) = (self.last, self.place(cx0, cy0), self.place(cx1, cy1), self.place(x, y));
-        let quad = |a, b, c, t| between(between(a, b, t), between(b, c, t), t);
-        self.bend(|t| between(quad(a, b, c, t), quad(b, c, d, t), t));
-    }
-
-    fn close(&mut self) {
-        self.go(self.first);
-    }
-}
-
-/// The share of each pixel within the edges: exact along rows, four of which sample each pixel.
-fn filled(edges: &[[[f32; 2]; 2]], width: usize, height: usize) -> Vec<f32> {
-    let mut covered = vec![0.0; width * height];
-    let mut crossings: Vec<(f32, i32)> = Vec::new();
-    for row in 0..FINER * height {
-        let y = (row as f32 + 0.5) / FINER as f32;
-        crossings.clear();
-        crossings.extend(edges.iter().filter(|[a, b]| (a[1] <= y) != (b[1] <= y)).map(|[a, b]| {
-            let x = a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
-            (x, if b[1] > a[1] { 1 } else { -1 })
-        }));
-        crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let pixels = &mut covered[row / FINER * width..][..width];
-        let mut winding = 0;
-        for pair in crossings.windows(2) {
-            winding += pair[0].1;
-            if winding != 0 {
-                let (from, to) = (pair[0].0.max(0.0), pair[1].0.min(width as f32));
-                for (x, pixel) in pixels.iter_mut().enumerate().take(to.ceil() as usize).skip(from as usize) {
-                    let part = (to.min(x as f32 + 1.0) - from.max(x as f32)).max(0.0);
-                    *pixel += part / FINER as f32;
-                }
-            }
-        }
-    }
-    covered
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn shapes_are_filled_to_their_area_and_holes_are_left() {
-        let ring = |corners: [[f32; 2]; 4]| (0..4).map(move |i| [corners[i], corners[(i + 1) % 4]]);
-        let square = ring([[1.25, 1.0], [6.0, 1.0], [6.0, 5.5], [1.25, 5.5]]);
-        let hole = ring([[2.0, 2.0], [2.0, 4.0], [3.0, 4.0], [3.0, 2.0]]);
-        let edges: Vec<_> = square.chain(hole).collect();
-        let covered = filled(&edges, 8, 7);
-        let area: f32 = covered.iter().sum();
-        assert!((area - (4.75 * 4.5 - 2.0)).abs() < 1e-3, "{area}");
-        assert!((covered[8 + 1] - 0.75).abs() < 1e-3 && covered[2 * 8 + 2] < 1e-3 && covered[0] == 0.0);
-        assert!(covered.iter().all(|c| (0.0..1.001).contains(c)));
-    }
 
     #[test]
     fn letters_stand_on_their_line_and_nothing_leaves_the_picture() {
@@ -198,7 +141,12 @@ mod tests {
         assert!(row(line.ascent - 1) > 1.5 * row(line.ascent + 4) && row(line.ascent + 4) > 0.5);
         let wide = Lettering::new("HHHH", 40.0).width;
         assert!(wide > 2 * Lettering::new("HH", 40.0).width - 3);
-        assert_eq!(Lettering::new("\u{4e00}", 40.0), Lettering::new("?", 40.0));
+        // An accent of its own is the same letter, and controls are blanks.
+        assert_eq!(Lettering::new("e\u{301}a", 40.0).width, Lettering::new("éa", 40.0).width);
+        assert_eq!(Lettering::new("a\nb\t", 40.0), Lettering::new("a b ", 40.0));
+        assert_eq!(Lettering::new("a\u{200b}b", 40.0).width, Lettering::new("ab", 40.0).width);
+        let cut = Lettering::within("HHHHHHHHHH", 40.0, 150.0);
+        assert!(cut.width <= 150 && cut.width > 100, "{}", cut.width);
         let mut picture = Picture::filled(30, 20, [0, 0, 0, 255]);
         line.lay(&mut picture, [25, 18], [255; 3], 1.0);
         line.lay(&mut picture, [200, 900], [255; 3], 1.0);

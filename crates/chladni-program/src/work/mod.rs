@@ -60,6 +60,8 @@ mod starting_point;
 mod subject;
 mod swelling;
 mod symmetry_figure;
+#[cfg(feature = "desktop")]
+mod system_fonts;
 mod template;
 mod template_name;
 mod template_text;
@@ -114,6 +116,8 @@ pub use starting_point::{STARTING_POINTS, StartingPoint, layer_against, layer_si
 pub use subject::Subject;
 pub use swelling::{Swelling, swollen_at};
 pub use symmetry_figure::figure_markers;
+#[cfg(feature = "desktop")]
+pub use system_fonts::system_fonts;
 pub use template::{check_template, check_templates, is_namesake, matched, matched_with, template_mesh};
 pub use template_name::template_name;
 pub use template_text::{template_from, template_text};

@@ -3,9 +3,9 @@
 use egui::{Color32, Ui, ViewportCommand};
 
 use super::concert::Concert;
+use super::legible::{self, Anchored};
 use super::place::{Change, Place};
 use super::preferences::Screen;
-use super::song_title::show_halo;
 
 /// How long pointer and hint stay after the pointer has moved.
 const LINGER_SECS: f64 = 2.0;
@@ -97,9 +97,11 @@ impl Curtain {
             }
         };
         let at = ui.max_rect().center_bottom() - egui::vec2(0.0, 24.0);
-        show_halo(ui, (at, egui::Align2::CENTER_CENTER), &hint, HINT, 1.0);
+        let width = ui.max_rect().width();
+        let line = Anchored { at, anchor: egui::Align2::CENTER_CENTER, width };
+        legible::show_halo(ui, line, &hint, HINT, 1.0);
         let text = egui::RichText::new(hint).size(HINT).color(Color32::from_white_alpha(200));
-        let place = egui::Rect::from_center_size(at, egui::vec2(ui.max_rect().width(), 20.0));
+        let place = egui::Rect::from_center_size(at, egui::vec2(width, 20.0));
         // A label is read aloud, too.
         ui.put(place, egui::Label::new(text).selectable(false));
     }

@@ -1,9 +1,10 @@
 //! The overlay of the dancing shapes: choice, marks, and each item's t and a.
 
 use chladni_music::{Action, GalleryItem, Instrument, ItemId, Mapping};
-use egui::{Align2, Color32, FontId, Rect, Response, RichText, Sense, Stroke, Ui, UiBuilder, pos2, vec2};
+use egui::{Align2, Color32, Rect, Response, RichText, Sense, Stroke, Ui, UiBuilder, pos2, vec2};
 
 use super::curve;
+use super::legible::{self, Anchored};
 use super::lineage;
 use super::view::View;
 use super::wish::{A_LITTLE, Then, Wish};
@@ -16,6 +17,8 @@ use crate::studio::shortcut::Shortcut;
 const ACCENT: Color32 = Color32::from_rgb(226, 166, 70);
 /// How far marks and curves stay away from a cell's edge.
 const EDGE: f32 = 9.0;
+/// What marks and edges take of the width of a cell.
+const MARKS: f32 = 80.0;
 
 /// Draws the overlay of every cell and handles clicks: a click chooses, a double click puts on stage, and the
 /// other button opens a menu. `marked` is the item that keys act on. Returns the item under the pointer, and
@@ -48,8 +51,7 @@ pub fn overlay(
         let is_marked = marked == Some(index);
         frame(ui, *cell, item, &title, is_marked);
         if let Some(standing) = standing {
-            let font = egui::TextStyle::Small.resolve(ui.style());
-            legible(ui, cell.right_top() + vec2(-EDGE, 24.0), Align2::RIGHT_TOP, standing, font, ACCENT);
+            in_corner(ui, *cell, 24.0, standing, ACCENT);
         }
         // The second click of a double click takes back the choice of the first.
         if response.clicked() {
@@ -73,17 +75,16 @@ fn frame(ui: &Ui, cell: Rect, item: &GalleryItem, title: &str, marked: bool) {
     };
     ui.painter().rect_stroke(cell, 6.0, border, egui::StrokeKind::Inside);
     curves(ui, cell, &item.genome);
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let corner = cell.right_top() + vec2(-EDGE, 8.0);
     let title = title.strip_prefix("Dance ").filter(|_| item.name.is_empty()).unwrap_or(title);
-    legible(ui, corner, Align2::RIGHT_TOP, title, font, Color32::from_white_alpha(190));
+    in_corner(ui, cell, 8.0, title, Color32::from_white_alpha(230));
 }
 
-/// Text that can be read on any background.
-fn legible(ui: &Ui, at: egui::Pos2, anchor: Align2, text: &str, font: FontId, color: Color32) {
-    let shade = Color32::from_black_alpha(130);
-    ui.painter().text(at + vec2(0.0, 1.0), anchor, text, font.clone(), shade);
-    ui.painter().text(at, anchor, text, font, color);
+/// Text in the upper right corner of a cell, so far below its edge.
+fn in_corner(ui: &Ui, cell: Rect, below: f32, text: &str, color: Color32) {
+    let size = egui::TextStyle::Small.resolve(ui.style()).size;
+    let width = cell.width() - MARKS;
+    let place = Anchored { at: cell.right_top() + vec2(-EDGE, below), anchor: Align2::RIGHT_TOP, width };
+    legible::show(ui, place, text, size, color);
 }
 
 /// Chosen, favorite and locked; on the marked item buttons for all that can be done with it.
@@ -103,8 +104,8 @@ fn marks(
             [(item.chosen, Icon::CircleCheck), (favorite, Icon::Star), (item.locked, Icon::Lock)]
         {
             if shown {
-                let font = FontId::proportional(15.0);
-                legible(ui, at, Align2::LEFT_TOP, &icon::text(mark), font, ACCENT);
+                let place = Anchored { at, anchor: Align2::LEFT_TOP, width: f32::INFINITY };
+                legible::show(ui, place, &icon::text(mark), 15.0, ACCENT);
                 at.x += 20.0;
             }
         }
@@ -184,6 +185,7 @@ fn curves(ui: &Ui, cell: Rect, mapping: &Mapping) {
         curve::line(ui.painter(), rect, values, range, Stroke::new(3.2, Color32::from_black_alpha(90)));
         curve::line(ui.painter(), rect, values, range, Stroke::new(1.5, color));
         let at = pos2(rect.left() - 5.0, rect.center().y);
-        legible(ui, at, Align2::RIGHT_CENTER, name, FontId::proportional(11.0), color.gamma_multiply(0.9));
+        let place = Anchored { at, anchor: Align2::RIGHT_CENTER, width: f32::INFINITY };
+        legible::show(ui, place, name, 11.0, color.gamma_multiply(0.9));
     }
 }

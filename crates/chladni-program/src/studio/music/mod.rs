@@ -16,6 +16,7 @@ mod keepsake;
 mod keyboard;
 mod knobs;
 mod leaning;
+mod legible;
 mod lineage;
 mod listening;
 mod loading;

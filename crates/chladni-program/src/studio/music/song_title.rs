@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use chladni_view::Picture;
-use egui::{Align2, Color32, FontId, Pos2, Rect, TextureHandle, Ui, vec2};
+use egui::{Align2, Color32, Rect, TextureHandle, Ui, vec2};
 
+use super::legible::{self, Anchored};
 use super::listening::Listening;
 use crate::studio::theme;
-use crate::work::{COVER, Caption, GAP, TITLE, halo_offsets, halo_opacity, title_opacity};
+use crate::work::{COVER, Caption, GAP, TITLE, title_opacity};
 
 /// The song that is heard, and since when.
 #[derive(Default)]
@@ -86,17 +87,9 @@ impl SongTitle {
             ui.painter().image(cover.id(), place, theme::WHOLE_IMAGE, tint);
             at.x += shown.x + GAP * size;
         }
-        show_halo(ui, (at, Align2::LEFT_BOTTOM), &self.caption.text, size, opacity);
-        let color = Color32::from_white_alpha((220.0 * opacity) as u8);
-        ui.painter().text(at, Align2::LEFT_BOTTOM, &self.caption.text, FontId::proportional(size), color);
-    }
-}
-
-/// Draws the dark halo of a text in letters of this size, as opaque as the text will be.
-pub fn show_halo(ui: &Ui, (at, anchor): (Pos2, Align2), text: &str, size: f32, opacity: f32) {
-    let color = Color32::from_black_alpha((255.0 * halo_opacity(opacity)) as u8);
-    for [x, y] in halo_offsets(size) {
-        ui.painter().text(at + vec2(x, y), anchor, text, FontId::proportional(size), color);
+        let place = Anchored { at, anchor: Align2::LEFT_BOTTOM, width: screen.right() - left - at.x };
+        let (corner, galley) = legible::show_halo(ui, place, &self.caption.text, size, opacity);
+        ui.painter().galley(corner, galley, Color32::from_white_alpha((220.0 * opacity) as u8));
     }
 }
 

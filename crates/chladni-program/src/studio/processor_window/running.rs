@@ -17,6 +17,7 @@ use winit::window::{Window, WindowId};
 use super::ProcessorWindowError;
 use super::painter::Painter;
 use super::surface::Surface;
+use crate::work::system_fonts;
 
 /// The program in a window.
 pub trait Program {
@@ -79,6 +80,7 @@ impl<'a> Running<'a> {
         create: impl FnOnce(&egui::Context, &Arc<Window>) -> Box<dyn Program> + 'a,
     ) -> Self {
         let ctx = egui::Context::default();
+        ctx.add_font_provider(system_fonts());
         ctx.set_embed_viewports(false);
         let windows = Windows {
             began: Instant::now(),
