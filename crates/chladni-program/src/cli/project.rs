@@ -114,7 +114,7 @@ impl New {
         let mut project = Project::new(shape, self.harmonics);
         project.resolution = self.resolution.wanted();
         let mesh = Subject::of(&mut project, terminal)?.mesh;
-        if stance.is_told() {
+        if stance.is_given() {
             project.stands = Some(stance.of(&name, &mesh, None, None, terminal)?);
         }
         project.laplacian = laplacian(self.paper);
