@@ -49,6 +49,21 @@ fn options_hold_throughout_a_show() {
     }
 }
 
+#[test]
+fn sand_holds_throughout_a_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let danced = |changes: &[Action]| danced(folder.path(), changes, "6", &["--sand"]);
+    let plain = danced(&[]);
+    for change in [
+        Action::SetForm { form: Form::HalfMask },
+        Action::Set { parameter: Parameter::Gain, value: 2.0 },
+        Action::Switch { switch: Switch::BeatTurns, on: true },
+    ] {
+        let change = [change];
+        assert_eq!(danced(&change), plain, "{change:?}");
+    }
+}
+
 /// A song of `secs` that clicks every `gap_secs`.
 fn clicks(path: &Path, secs: usize, gap_secs: f64) {
     let rate_hz = 22_050;

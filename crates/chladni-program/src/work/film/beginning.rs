@@ -22,7 +22,7 @@ pub struct Beginning {
     pub gallery: Option<usize>,
     /// Whether sand lies on the shape; if no show, preset, seed or gallery says what dances, the figures of
     /// Chladni's experiment do. `None` means: only on a flat sheet for which neither a show nor a preset says
-    /// how it moves, since other forms show little there.
+    /// how it moves, since other forms show little there. What sand needs holds throughout a show.
     pub sand: Option<bool>,
     /// Whether the looks that came on stage in a show are left out, and the film's own is used throughout.
     pub keeps_look: bool,
@@ -60,6 +60,9 @@ impl Beginning {
             Some(mut show) => {
                 if self.keeps_look {
                     show.actions.retain(|line| !matches!(line.action, Action::SetLook { .. }));
+                }
+                if sand {
+                    SAND_MODE.iter().for_each(|change| hold(change, &mut show.actions));
                 }
                 self.changes.iter().for_each(|change| hold(change, &mut show.actions));
                 (show.begin(shape)?, show.actions)
