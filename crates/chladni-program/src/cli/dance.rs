@@ -15,6 +15,7 @@ use super::Terminal;
 use super::choice::one_of;
 use super::frames::{Fps, Size};
 use super::number::seconds;
+use super::portrait::check_drawn;
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
 use crate::work::formats::is_project;
@@ -58,9 +59,9 @@ pub struct Dance {
     /// film.
     #[arg(long, value_name = "N")]
     targets: Option<usize>,
-    /// Width and height in pixels; an MP4 leaves out the last column or row of odd ones.
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720")]
-    size: Size,
+    /// Width and height in pixels [default: 1280x720]; an MP4 leaves out the last column or row of odd ones.
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    size: Option<Size>,
     /// Frames per second: a number, or a fraction such as 30000/1001.
     #[arg(long, default_value = "30", allow_negative_numbers = true)]
     fps: Fps,
@@ -125,9 +126,9 @@ pub struct Dance {
     /// made.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["resume", "piece"])]
     presets: Option<PathBuf>,
-    /// Strew sand on the shape and set all up for it: form modal, little gain, nothing turns on the beat, and, where
-    /// nothing else says what dances, a higher tone draws a finer figure. What else is given comes after. On a flat sheet
-    /// this is how it begins, unless --form, --preset, --show, --paper or --autopilot is given.
+    /// Strew sand on the shape and set all up for it, throughout a show, too: form modal, little gain, nothing turns on the
+    /// beat, and, where nothing else says what dances, a higher tone draws a finer figure. What else is given comes after.
+    /// On a flat sheet this is how it begins, unless --form, --preset, --show, --paper or --autopilot is given.
     #[arg(long)]
     sand: bool,
     /// Show the shape at rest, too, as dots.
@@ -292,6 +293,8 @@ impl Dance {
         if self.targets.is_some() && to.animation.is_none() {
             return Err(Error::input("--targets is for a dance that is written as .glb"));
         }
+        check_drawn(self.given_for_pictures(), pipe.is_some() || to.film.is_some())?;
+        let (width, height) = self.size.map_or((to.width, to.height), |size| (size.width, size.height));
         Ok(Output {
             piece: self.piece.clone(),
             resume: self.resume,
@@ -300,8 +303,8 @@ impl Dance {
             coefficients: self.coefficients.clone(),
             presets: self.presets.clone(),
             shows_rest: self.rest,
-            width: self.size.width,
-            height: self.size.height,
+            width,
+            height,
             rate: self.fps.0,
             draw: terminal.draw(),
             samples: self.samples,
@@ -311,6 +314,27 @@ impl Dance {
             titles: self.titles,
             ..to
         })
+    }
+
+    /// The first given option that changes nothing but pictures.
+    fn given_for_pictures(&self) -> Option<&'static str> {
+        let options = [
+            (self.size.is_some(), "--size"),
+            (self.rest, "--rest"),
+            (self.look.is_some(), "--look"),
+            (self.palette.is_some(), "--palette"),
+            (self.lights.is_some(), "--lights"),
+            (self.material.is_some(), "--material"),
+            (self.background.is_some(), "--background"),
+            (self.picture.is_some(), "--picture"),
+            (self.panorama.is_some(), "--panorama"),
+            (self.blur.is_some(), "--blur"),
+            (self.samples.is_some(), "--samples"),
+            (self.titles, "--titles"),
+            (self.allow_flashes, "--allow-flashes"),
+            (self.flash_fields, "--flash-fields"),
+        ];
+        options.into_iter().find_map(|(is_given, option)| is_given.then_some(option))
     }
 
     /// The film of the show at `path`, with the shape and the song of the arguments in the place of its own where they are

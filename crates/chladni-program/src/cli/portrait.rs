@@ -29,6 +29,19 @@ pub struct Portrait {
     stance: StanceOptions,
 }
 
+/// Refuses the `option` of pictures that was given, where there is one and no picture `is_drawn`.
+///
+/// # Errors
+/// [`Error::Input`] with its name.
+pub fn check_drawn(option: Option<&str>, is_drawn: bool) -> Result<(), Error> {
+    match option {
+        Some(option) if !is_drawn => {
+            Err(Error::Input(format!("{option} is for a picture, and none is drawn here")))
+        }
+        _ => Ok(()),
+    }
+}
+
 impl Portrait {
     /// Width and height of the picture, in pixels.
     pub fn size(&self) -> [u32; 2] {
@@ -41,12 +54,7 @@ impl Portrait {
     /// [`Error::Input`] with the first of them.
     pub fn check_used(&self, is_drawn: bool) -> Result<(), Error> {
         let given = self.view.map(|_| "--view").or(self.size.map(|_| "--size"));
-        match given.or_else(|| self.stance.given()) {
-            Some(option) if !is_drawn => {
-                Err(Error::Input(format!("{option} is for a picture, and none is drawn here")))
-            }
-            _ => Ok(()),
-        }
+        check_drawn(given.or_else(|| self.stance.given()), is_drawn)
     }
 
     /// From where the shape called `name` is seen; `kept` is how its project says that it stands, `matched` how

@@ -231,6 +231,26 @@ fn settings_are_refused_by_name_by_value_and_by_range() {
 }
 
 #[test]
+fn options_of_pictures_are_refused_for_a_dance_without_any() {
+    for option in [
+        &["--look", "neon"][..],
+        &["--blur", "0"],
+        &["--size", "64x64"],
+        &["--samples", "4"],
+        &["--picture", "never.png"],
+        &["--titles"],
+        &["--rest"],
+        &["--flash-fields"],
+    ] {
+        for output in [["-o", "never.glb"], ["--coefficients", "never.npz"]] {
+            let dance = ["dance", "sample:cat", "sample:tune"];
+            Run::of(&[&dance[..], &output, option].concat())
+                .refused(&format!("{} is for a picture", option[0]));
+        }
+    }
+}
+
+#[test]
 fn options_of_a_picture_of_parts_are_refused_without_one() {
     for (option, value) in [("--size", "64x64"), ("--view", "0,0"), ("--up", "z"), ("--front", "z")] {
         for level in [&["--level", "0.3"][..], &[]] {
