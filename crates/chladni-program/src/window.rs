@@ -71,10 +71,11 @@ pub fn open(
     }
 }
 
-/// Opens the small window that asks for a file, with `request` as JSON, and returns the answer.
+/// Opens the small window that asks for a file, with `request` as JSON, drawn as `draw` asks for, and returns the answer.
 ///
 /// # Errors
 /// [`Error::Input`] for an invalid request, [`Error::Other`] where the window cannot open.
-pub fn choose_file(request: &str) -> Result<Vec<PathBuf>, Error> {
-    studio::choose_file(serde_json::from_str(request).map_err(Error::input)?).map_err(Error::other)
+pub fn choose_file(request: &str, draw: Draw) -> Result<Vec<PathBuf>, Error> {
+    let request = serde_json::from_str(request).map_err(Error::input)?;
+    studio::choose_file(request, draw).map_err(Error::other)
 }

@@ -17,6 +17,18 @@ pub enum Draw {
 }
 
 impl Draw {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Auto, Self::Cpu, Self::Gpu];
+
+    /// Its name, from which it is read.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Cpu => "cpu",
+            Self::Gpu => "gpu",
+        }
+    }
+
     /// Whether a graphics device would draw. None is opened.
     pub fn means_graphics(self) -> bool {
         match self {
@@ -31,12 +43,8 @@ impl FromStr for Draw {
     type Err = ViewError;
 
     fn from_str(text: &str) -> Result<Self, ViewError> {
-        match text {
-            "auto" => Ok(Self::Auto),
-            "cpu" => Ok(Self::Cpu),
-            "gpu" => Ok(Self::Gpu),
-            _ => Err(ViewError::Expected("auto, cpu or gpu")),
-        }
+        let named = Self::ALL.into_iter().find(|draw| draw.name() == text);
+        named.ok_or(ViewError::Expected("auto, cpu or gpu"))
     }
 }
 

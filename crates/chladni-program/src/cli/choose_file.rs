@@ -14,6 +14,6 @@ pub struct ChooseFile {
 impl ChooseFile {
     /// Returns when the window is closed.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        terminal.json(&window::choose_file(&self.request)?)
+        terminal.json(&window::choose_file(&self.request, terminal.draw())?)
     }
 }

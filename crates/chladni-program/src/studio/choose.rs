@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
+use chladni_view::Draw;
+
 use super::file_window::{self, Purpose, Request};
 use crate::work::formats::ends_in;
 
@@ -109,6 +111,8 @@ const TOO_FAST: Duration = Duration::from_millis(250);
 /// The dialogs of the system and, where none comes up, a file window of our own.
 #[derive(Debug, Default)]
 pub struct SystemDialogs {
+    /// The choice of the device that draws our own window.
+    draw: Draw,
     /// No dialog of the system came up before.
     missing: bool,
     /// The folder of the file that was chosen last.
@@ -128,8 +132,8 @@ struct Asked {
 }
 
 /// Asks the system, and uses our own window if that is `missing` or ends without an answer faster than a person could
-/// give one. `folder` is where our own begins if the request does not say.
-fn ask(request: &Request, folder: &Path, mut missing: bool) -> Asked {
+/// give one. `folder` is where our own begins if the request does not say, and it is drawn as `draw` says.
+fn ask(request: &Request, folder: &Path, mut missing: bool, draw: Draw) -> Asked {
     if !missing {
         let start = Instant::now();
         let files = ask_the_system(request);
@@ -141,7 +145,7 @@ fn ask(request: &Request, folder: &Path, mut missing: bool) -> Asked {
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let start =
         if is_with_folder(&request.start) { request.start.clone() } else { here.join(&request.start) };
-    match file_window::ask(&Request { start, ..request.clone() }) {
+    match file_window::ask(&Request { start, ..request.clone() }, draw) {
         Ok(files) => Asked { files, missing, trouble: None },
         Err(error) => {
             let trouble = format!(
@@ -198,10 +202,15 @@ fn completed(request: &Request, files: &mut [PathBuf]) -> Option<Request> {
 }
 
 impl SystemDialogs {
+    /// Our own window, where it is needed, is drawn as `draw` says.
+    pub fn drawn(draw: Draw) -> Self {
+        Self { draw, ..Self::default() }
+    }
+
     /// Waits for the answer.
     fn wait(&mut self, mut request: Request) -> Vec<PathBuf> {
         loop {
-            let asked = ask(&request, &self.folder, self.missing);
+            let asked = ask(&request, &self.folder, self.missing, self.draw);
             let mut files = self.take(asked);
             match completed(&request, &mut files) {
                 Some(again) => request = again,
@@ -239,10 +248,10 @@ impl Chooser for SystemDialogs {
             return false;
         }
         let (answer, answers) = channel();
-        let (asks, folder, missing) = (request.clone(), self.folder.clone(), self.missing);
+        let (asks, folder, missing, draw) = (request.clone(), self.folder.clone(), self.missing, self.draw);
         let asking = move || {
             // If nobody waits any longer, the window is closed.
-            let _ = answer.send(ask(&asks, &folder, missing));
+            let _ = answer.send(ask(&asks, &folder, missing, draw));
         };
         match std::thread::Builder::new().name("file dialog".into()).spawn(asking) {
             Ok(_) => self.asking = Some((request, answers)),

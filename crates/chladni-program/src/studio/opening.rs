@@ -52,6 +52,7 @@ pub fn open(
         let began = Instant::now();
         open_once(Opening {
             folders: Folders::of_user(),
+            chooser: Box::new(SystemDialogs::drawn(draw)),
             files: std::mem::take(&mut files),
             live: live.take(),
             measure: measure.clone(),

@@ -16,6 +16,7 @@ use super::error::NoDevice;
 pub struct Screen {
     device: Device,
     way: Way,
+    draw: Draw,
     /// Whom to ask for monitors.
     window: Option<Arc<Window>>,
 }
@@ -40,19 +41,21 @@ impl Screen {
             Draw::Gpu => Some(state.ok_or(NoDevice)?),
             Draw::Cpu => None,
         };
-        Ok(match chosen {
+        let screen = match chosen {
             Some(state) => Self::within(
                 window,
                 Device::Graphics(Gpu::shared(state.device.clone(), state.queue.clone())),
                 Way::Textures(state.clone()),
             ),
             None => Self::processor(&creation.egui_ctx, window),
-        })
+        };
+        Ok(Self { draw, ..screen })
     }
 
     /// The processor, for a window that is painted by anything.
     pub fn processor(ctx: &egui::Context, window: Option<Arc<Window>>) -> Self {
-        Self::within(window, Device::Processor, Way::Pixels(ctx.clone()))
+        let screen = Self::within(window, Device::Processor, Way::Pixels(ctx.clone()));
+        Self { draw: Draw::Cpu, ..screen }
     }
 
     fn within(window: Option<Arc<Window>>, device: Device, way: Way) -> Self {
@@ -60,17 +63,23 @@ impl Screen {
         if let Some(window) = &window {
             super::screen_changes::follow(window);
         }
-        Self { device, way, window }
+        Self { device, way, draw: Draw::Auto, window }
     }
 
     /// One that nobody looks at.
     pub fn unseen(device: &Device) -> Self {
-        Self { device: device.clone(), way: Way::Pixels(egui::Context::default()), window: None }
+        let way = Way::Pixels(egui::Context::default());
+        Self { device: device.clone(), way, draw: Draw::Auto, window: None }
     }
 
     /// The device that draws.
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// The choice of the device for films, which open one of their own.
+    pub fn draw(&self) -> Draw {
+        self.draw
     }
 
     /// The names of the screens that there are, in the system's order; none where it does not tell.

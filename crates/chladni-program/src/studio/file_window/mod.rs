@@ -32,19 +32,20 @@ use browser::{Browser, Entry, MAX_ENTRIES, Verdict};
 /// The name of the command that opens the window; see `ask`.
 pub const COMMAND: &str = "choose-file";
 
-/// Asks in a separate process and waits; empty if the user cancels.
-pub fn ask(request: &Request) -> io::Result<Vec<PathBuf>> {
+/// Asks in a separate process, whose window is drawn as `draw` says, and waits; empty if the user cancels.
+pub fn ask(request: &Request, draw: Draw) -> io::Result<Vec<PathBuf>> {
     let question = serde_json::to_string(request)?;
     let mut command = other_program(std::env::current_exe()?, Needs::Window);
-    let asked = command.args([COMMAND, &question]).stdin(Stdio::null()).stderr(Stdio::inherit()).output()?;
+    command.args(["--draw", draw.name(), COMMAND, &question]);
+    let asked = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output()?;
     if !asked.status.success() {
         return Err(io::Error::other(format!("the file window ended with {}", asked.status)));
     }
     Ok(serde_json::from_slice(&asked.stdout)?)
 }
 
-/// Opens the window and returns the answer when it is closed.
-pub fn open(request: Request) -> Result<Vec<PathBuf>, StudioError> {
+/// Opens the window, drawn as `draw` says, and returns the answer when it is closed.
+pub fn open(request: Request, draw: Draw) -> Result<Vec<PathBuf>, StudioError> {
     let answer = Rc::new(RefCell::new(Vec::new()));
     let given = Rc::clone(&answer);
     let viewport = egui::ViewportBuilder::default()
@@ -55,7 +56,7 @@ pub fn open(request: Request) -> Result<Vec<PathBuf>, StudioError> {
     // Unreadable preferences are reported in the main window.
     let settings =
         Folders::of_user().settings.and_then(|path| Settings::load(&path).ok()).unwrap_or_default();
-    if !Draw::Auto.means_graphics() {
+    if !draw.means_graphics() {
         let create = |ctx: &egui::Context, _: &Arc<Window>| -> Box<dyn Program> {
             Box::new(FileWindow::new(ctx, request, &settings, given))
         };

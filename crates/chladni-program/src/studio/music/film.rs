@@ -5,7 +5,7 @@ mod as_it_is;
 use std::path::{Path, PathBuf};
 
 use chladni_music::{BeatReading, Show};
-use chladni_view::{FrameRate, Look, ffmpeg_is_there};
+use chladni_view::{Draw, FrameRate, Look, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
 pub use self::as_it_is::OnStage;
@@ -42,6 +42,8 @@ const LONGEST_SIDE: u32 = 8192;
 #[derive(Default)]
 pub struct Filming {
     form: Option<Form>,
+    /// The form as it was left, with which the next one begins.
+    last: Option<Form>,
     running: Option<Job<Made>>,
     /// The folder of a film in pictures.
     folder: Option<PathBuf>,
@@ -81,7 +83,7 @@ struct Form {
     song: Option<(usize, String)>,
 }
 
-/// The contents that could be filmed now.
+/// The contents that could be filmed now, and how.
 pub struct Scene {
     /// All that was done, as it would be saved.
     pub show: Show,
@@ -97,6 +99,8 @@ pub struct Scene {
     pub on_stage: Option<OnStage>,
     /// How many favorites there are.
     pub favorites: usize,
+    /// The choice of the device that draws.
+    pub draw: Draw,
 }
 
 impl Scene {
@@ -107,12 +111,17 @@ impl Scene {
 }
 
 impl Filming {
-    /// Opens the form, where this `song` is heard: its number in the show and its name.
-    pub fn ask(&mut self, song: Option<(usize, String)>) -> Result<(), Error> {
+    /// Opens the form as it was left, where this `song` is heard (its number in the show and its name), and `titles` of
+    /// songs are shown on stage or not.
+    pub fn ask(&mut self, song: Option<(usize, String)>, titles: bool) -> Result<(), Error> {
         if self.running.is_some() {
             return Err(Error::input("A film is being made already."));
         }
-        let form = self.form.get_or_insert_with(|| Form { has_ffmpeg: ffmpeg_is_there(), ..Form::FIRST });
+        let form = self.form.get_or_insert_with(|| Form {
+            titles,
+            has_ffmpeg: ffmpeg_is_there(),
+            ..self.last.take().unwrap_or(Form::FIRST)
+        });
         form.song = song;
         Ok(())
     }
@@ -120,6 +129,11 @@ impl Filming {
     /// Another show numbers other songs: the form takes the one that is heard when its film begins.
     pub fn forget_song(&mut self) {
         self.form.iter_mut().for_each(|form| form.song = None);
+    }
+
+    /// Closes the form, and keeps it for the next film.
+    fn close(&mut self) {
+        self.last = self.form.take();
     }
 
     /// Draws the form; once the person wants the film, says as what.
@@ -137,7 +151,7 @@ impl Filming {
             wanted = form.choose_kind(ui);
         });
         if leaves || !open {
-            self.form = None;
+            self.close();
             return None;
         }
         wanted
@@ -175,7 +189,7 @@ impl Filming {
         let film = form.film(scene, output)?;
         // The form stays where it has to be corrected.
         film.check()?;
-        self.form = None;
+        self.close();
         self.folder = is_folder.then(|| path.clone());
         let label = format!("Filming {}", path.file_name().unwrap_or_default().to_string_lossy());
         self.running = Some(Job::start(label, ctx, move |task| {
@@ -349,7 +363,8 @@ impl Form {
 
     fn film(&self, scene: Scene, to: Output) -> Result<Film, Error> {
         let [width, height] = self.size;
-        let output = Output { width, height, rate: FrameRate::decimal(self.fps), titles: self.titles, ..to };
+        let rate = FrameRate::decimal(self.fps);
+        let output = Output { width, height, rate, titles: self.titles, draw: scene.draw, ..to };
         let mut film = match self.what {
             What::TheShow => Film::of_show(scene.show, scene.body, scene.songs, output),
             What::AsItIs => {
@@ -402,12 +417,14 @@ mod tests {
                 view: View::Gallery,
                 on_stage: None,
                 favorites: 0,
+                draw: Draw::Cpu,
             };
             form.film(scene, Output::to("film.gif".into())).unwrap()
         };
         let as_seen = film("", Form::FIRST);
         assert_eq!(as_seen.look, Look::EMBER);
         assert!(as_seen.output.titles, "as on stage");
+        assert_eq!(as_seen.output.draw, Draw::Cpu, "by what draws the window");
         for (name, look) in Look::PRESETS {
             let chosen = Form { look: Some(name), titles: false, ..Form::FIRST };
             let film = |palette: &str| film(palette, chosen.clone());
@@ -430,17 +447,32 @@ mod tests {
                 view: View::Gallery,
                 on_stage: None,
                 favorites: 0,
+                draw: Draw::Cpu,
             };
             let film = filming.form.as_ref().unwrap().film(scene, Output::to("film.gif".into())).unwrap();
             film.songs[0].0.clone()
         };
         let mut filming = Filming::default();
-        filming.ask(Some((0, "first".into()))).unwrap();
+        filming.ask(Some((0, "first".into())), true).unwrap();
         assert_eq!(song(&filming), "first.wav");
         filming.forget_song();
         assert_eq!(song(&filming), "second.wav");
-        filming.ask(None).unwrap();
+        filming.ask(None, true).unwrap();
         assert_eq!(song(&filming), "second.wav");
+    }
+
+    #[test]
+    fn the_form_begins_as_it_was_left_with_titles_where_the_stage_has_them() {
+        let mut filming = Filming::default();
+        filming.ask(Some((0, "first".into())), false).unwrap();
+        let form = filming.form.as_mut().unwrap();
+        assert_eq!((form.titles, form.size), (false, Form::FIRST.size));
+        (form.size, form.fps, form.to_secs) = ([1920, 1080], 60.0, 5.0);
+        filming.close();
+        filming.ask(None, true).unwrap();
+        let form = filming.form.unwrap();
+        assert_eq!((form.size, form.fps, form.to_secs), ([1920, 1080], 60.0, 5.0));
+        assert_eq!((form.titles, form.song), (true, None));
     }
 
     #[test]
@@ -454,6 +486,7 @@ mod tests {
             view: View::Gallery,
             on_stage: None,
             favorites: 0,
+            draw: Draw::Cpu,
         };
         let (path, ctx) = (Path::new("film.gif"), egui::Context::default());
         let begun = Filming::default().begin(scene, path, false, &ctx);
@@ -472,6 +505,7 @@ mod tests {
                 view,
                 on_stage: on_stage.then(OnStage::default),
                 favorites,
+                draw: Draw::Cpu,
             };
             Form::FIRST.film(scene, Output::to("dance.glb".into()))
         };

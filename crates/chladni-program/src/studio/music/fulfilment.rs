@@ -59,7 +59,8 @@ impl MusicRoom {
             (Wish::Discard(path), Some(_)) => self.drawers.shelf.discard(&path),
             (Wish::Film, Some(_)) => {
                 let named = |ears: &Listening| Some((ears.song_number()?, ears.source_name()));
-                self.filming.ask(self.listening.as_ref().and_then(named))
+                let titles = shared.settings.music.song_titles;
+                self.filming.ask(self.listening.as_ref().and_then(named), titles)
             }
         };
         if let Err(why) = done {

@@ -377,6 +377,7 @@ impl MusicRoom {
                 view: if self.hides_the_window() { View::Gallery } else { concert.view() },
                 on_stage: concert.on_stage().then_some(on_stage),
                 favorites: concert.instrument().favorites().len(),
+                draw: shared.screen.draw(),
             };
             self.filming.begin(scene, path, is_folder, &shared.ctx)?;
         }
