@@ -25,7 +25,8 @@ pub struct MatchReport {
     pub residual_p95: Option<f64>,
     /// Share of the shape's area whose confidence is at least ½.
     pub coverage: f64,
-    /// Number of triangles of the shape whose image on the template is turned over.
+    /// Number of triangles of the shape whose image on the template is turned over, without those that the shape itself
+    /// folds over.
     pub flipped_triangles: usize,
     /// Number of triangles of the shape that have a normal to compare.
     pub triangles: usize,
@@ -182,8 +183,11 @@ impl Distortion {
             let [a, b, c] = corners.map(|v| shape.points[v as usize]);
             let [x, y, z] = corners.map(|v| target[v as usize]);
             let up: DVec3 = corners.iter().filter_map(|v| facing[*v as usize]).sum();
-            let reference = if up == DVec3::ZERO { shape.triangle_normals[t] } else { up };
-            flipped += usize::from(turned_over([x, y, z], reference));
+            flipped += usize::from(if up == DVec3::ZERO {
+                turned_over([x, y, z], shape.triangle_normals[t])
+            } else {
+                turned_over([x, y, z], up) && !shape.is_turned_over(t)
+            });
             ratios.push(stretch([a, b, c], [x, y, z]));
         }
         ratios.sort_by(f64::total_cmp);

@@ -177,6 +177,12 @@ impl UnitSurface {
         n.try_normalize().unwrap_or(self.triangle_normals[at.triangle as usize])
     }
 
+    /// Whether a triangle faces away from the sum of the smooth normals at its corners: it is folded over in the file.
+    pub fn is_turned_over(&self, triangle: usize) -> bool {
+        let up: DVec3 = self.triangles[triangle].iter().map(|v| self.normals[*v as usize]).sum();
+        self.triangle_normals[triangle].dot(up) < 0.0
+    }
+
     /// Total area, in squared diagonals.
     pub fn area(&self) -> f64 {
         self.triangle_areas.iter().sum()

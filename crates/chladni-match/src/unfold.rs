@@ -1,4 +1,4 @@
-//! Removes folds from a projection: the vertices of triangles that are turned over are spread between their
+//! Removes folds from a projection: the vertices of triangles that it turns over are spread between their
 //! neighbors on the template.
 
 use chladni_mesh::surface::Closest;
@@ -87,12 +87,12 @@ fn between_neighbors(shape: &UnitSurface, partners: &Partners, at: &[Closest], v
     found.point.iter().all(|x| x.is_finite()).then_some(found)
 }
 
-/// The triangles that are turned over.
+/// The triangles that are turned over, but are not in the shape itself: those are where they belong.
 fn folded(shape: &UnitSurface, template: &UnitSurface, at: &[Closest]) -> Vec<u32> {
     let turned = |t: &u32| {
         let points = shape.triangles[*t as usize].map(|v| at[v as usize]);
         let up = points.iter().map(|p| template.smooth_normal(&p.on)).sum();
-        turned_over(points.map(|p| DVec3::from_array(p.point)), up)
+        turned_over(points.map(|p| DVec3::from_array(p.point)), up) && !shape.is_turned_over(*t as usize)
     };
     (0..shape.triangles.len() as u32).into_par_iter().filter(turned).collect()
 }
@@ -190,6 +190,21 @@ mod tests {
             let nth = [way % 3, way / 3 % 3, way / 9 % 3, way / 27];
             let at: Vec<Closest> = (0..4).map(|v| at_corner(&solid, v, nth[v as usize])).collect();
             assert!(folded(&solid, &solid, &at).is_empty(), "{nth:?}");
+        }
+    }
+
+    #[test]
+    fn what_the_shape_itself_folds_over_stays() {
+        let mut mesh = samples::icosphere(2);
+        let [v, w, _] = mesh.triangles[0].map(|v| v as usize);
+        // A corner is drawn over its neighbor, and some triangles around it with it.
+        mesh.positions[v] = std::array::from_fn(|i| 1.6 * mesh.positions[w][i] - 0.6 * mesh.positions[v][i]);
+        let shape = UnitSurface::new(&mesh, Side::Shape).unwrap();
+        assert!((0..shape.triangles.len()).any(|t| shape.is_turned_over(t)));
+        let mut at: Vec<Closest> = (0..shape.points.len() as u32).map(|v| at_corner(&shape, v, 0)).collect();
+        unfold(&shape, &Partners::none(&shape), &mut at, &[], &Task::new()).unwrap();
+        for (now, own) in at.iter().zip(&shape.points) {
+            assert_eq!(now.point, own.to_array());
         }
     }
 

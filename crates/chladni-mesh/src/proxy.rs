@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use crate::surface::vec3::{Vec3, add, cross, distance, dot, length, scaled, sub, unit};
 use crate::surface::{
-    Closest, SurfacePoint, TriangleTree, components, corners, doubled_area_normal, mixed, vertex_triangles,
-    weld,
+    Closest, SurfacePoint, TriangleTree, components, corners, doubled_area_normal, mixed, total_area,
+    vertex_triangles, weld,
 };
 use crate::{Rows, TriMesh};
 
@@ -25,7 +25,7 @@ pub struct Proxy {
     farthest: f64,
 }
 
-/// How far detail may swell or shrink with the surface that carries it.
+/// How far detail may swell or shrink with the surface that carries it, beyond what the whole surface does.
 const SWELLING: [f64; 2] = [0.25, 4.0];
 
 /// The largest share of vertices that may lie in pieces that vanish from the proxy.
@@ -145,9 +145,12 @@ impl Proxy {
         let small = &*self.mesh;
         let moved: Vec<Vec3> = small.positions.iter().zip(displacements).map(|(p, d)| add(*p, *d)).collect();
         let around = vertex_triangles(small.positions.len(), &small.triangles);
+        let [before, after] = [&small.positions, &moved].map(|at| total_area(at, &small.triangles));
+        let growth = Some((after / before).sqrt()).filter(|g| *g > 0.0 && g.is_finite()).unwrap_or(1.0);
+        let swellings = SWELLING.map(|s| growth * s);
         let maps: Vec<Affine> = (0..small.positions.len())
             .into_par_iter()
-            .map(|v| Affine::around(v, small, &moved, displacements[v], &around))
+            .map(|v| Affine::around(v, small, &moved, displacements[v], &around, swellings))
             .collect();
         let of = |(p, on): (&Vec3, &Option<SurfacePoint>)| {
             let Some(on) = on else { return [0.0; 3] };
@@ -253,8 +256,15 @@ struct Affine {
 }
 
 impl Affine {
-    /// Around vertex `v` of `mesh`, whose vertices go to `moved`.
-    fn around(v: usize, mesh: &TriMesh, moved: &[Vec3], displacement: Vec3, around: &Rows) -> Self {
+    /// Around vertex `v` of `mesh`, whose vertices go to `moved`; `low` and `high` limit how its surface swells.
+    fn around(
+        v: usize,
+        mesh: &TriMesh,
+        moved: &[Vec3],
+        displacement: Vec3,
+        around: &Rows,
+        [low, high]: [f64; 2],
+    ) -> Self {
         let center = mesh.positions[v];
         let (mut normals, mut areas, mut edges) = ([[0.0; 3]; 2], [0.0; 2], 0.0);
         // Σ e eᵀ and Σ Δd eᵀ over unit edges e.
@@ -278,7 +288,7 @@ impl Affine {
             }
         }
         let [before, after] = normals.map(unit);
-        let swelling = (areas[1] / areas[0]).sqrt().clamp(SWELLING[0], SWELLING[1]);
+        let swelling = (areas[1] / areas[0]).sqrt().clamp(low, high);
         if swelling.is_finite() {
             add_product(&mut squares, before, before, edges);
             add_product(&mut products, sub(scaled(after, swelling), before), before, edges);
@@ -359,15 +369,17 @@ mod tests {
         let scan = scan();
         let proxy = Proxy::of(&scan, 3000).unwrap();
         let (sin, cos) = 0.7_f64.sin_cos();
-        let moved = |p: &Vec3| {
-            let [x, y, z] = p.map(|c| 1.3 * c);
-            sub([cos * x - sin * y + 5.0, sin * x + cos * y, z - 3.0], *p)
-        };
-        let small: Vec<Vec3> = proxy.mesh().positions.iter().map(moved).collect();
-        let expected: Vec<Vec3> = scan.positions.iter().map(moved).collect();
-        let off = farthest(&proxy.carried(&small), &expected);
-        assert!(off < 1e-9, "{off}");
-        let rest = vec![[0.0; 3]; small.len()];
+        for scale in [0.1, 1.3, 9.0] {
+            let moved = |p: &Vec3| {
+                let [x, y, z] = p.map(|c| scale * c);
+                sub([cos * x - sin * y + 5.0, sin * x + cos * y, z - 3.0], *p)
+            };
+            let small: Vec<Vec3> = proxy.mesh().positions.iter().map(moved).collect();
+            let expected: Vec<Vec3> = scan.positions.iter().map(moved).collect();
+            let off = farthest(&proxy.carried(&small), &expected);
+            assert!(off < 1e-9, "{scale}: {off}");
+        }
+        let rest = vec![[0.0; 3]; proxy.mesh().positions.len()];
         assert!(proxy.carried(&rest).iter().all(|d| *d == [0.0; 3]));
     }
 

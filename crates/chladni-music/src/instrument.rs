@@ -225,12 +225,14 @@ impl Instrument {
     }
 
     /// A preset of an item, with its lineage and the knobs where they stand; [`tags`](Self::tags) has those of the
-    /// preset that it was taken from.
+    /// preset that it was taken from. An item without a name gets that of its place in the gallery, from 1.
     pub fn preset(&self, item: &GalleryItem, tags: Vec<String>) -> Preset {
         let Past { seed, lineage, .. } = self.past(item);
+        let place = self.gallery.items().iter().position(|shown| shown.id == item.id);
+        let number = place.unwrap_or(item.id as usize) + 1;
         Preset {
             format_version: FORMAT_VERSION,
-            name: if item.name.is_empty() { format!("item {}", item.id) } else { item.name.clone() },
+            name: if item.name.is_empty() { format!("item {number}") } else { item.name.clone() },
             tags,
             seed,
             lineage,

@@ -37,7 +37,7 @@ impl StereoMix {
 
     /// The same with a sign, for harmonics that swing: positive toward the left.
     ///
-    /// It is the part of g U that is in step with S, limited to |S|, so that the movement by S on both sides
+    /// It is the part of g^(1−μ) U that is in step with S, limited to |S|, so that the movement by S on both sides
     /// at most stops on one side and is never reversed there. As μ goes to 1 only a single channel is heard,
     /// and nothing swings.
     pub fn swing(&self, bands: &Bands<'_>, b: usize) -> f32 {

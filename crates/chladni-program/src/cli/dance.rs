@@ -118,8 +118,9 @@ pub struct Dance {
     /// which it changes.
     #[arg(long, conflicts_with_all = ["preset", "show", "gallery", "coefficients"])]
     autopilot: bool,
-    /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here. Not with --resume, which
-    /// makes only what is missing.
+    /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here; in the half-mask form these
+    /// are those of the left half, and coefficients_right those of the right. Not with --resume, which makes only what is
+    /// missing.
     #[arg(long, value_name = "C.npz", conflicts_with = "resume")]
     coefficients: Option<PathBuf>,
     /// Write the mapping of each item of the gallery into this folder, as presets: as they are when all of the film is

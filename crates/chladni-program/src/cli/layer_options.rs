@@ -53,8 +53,7 @@ pub struct LayerOptions {
     /// then exaggerated, too.
     #[arg(long)]
     rigid: bool,
-    /// Seed of all that matching samples [default: 0]; with --gallery that of its caricatures instead [default: 1, as
-    /// in the window].
+    /// Seed of all that matching samples [default: 0].
     #[arg(long, value_parser = seed)]
     seed: Option<u64>,
     /// How far the difference is filled in from its surroundings where a match is not to be trusted, such as

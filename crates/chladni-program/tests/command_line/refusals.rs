@@ -218,6 +218,8 @@ fn nothing_that_is_read_is_replaced_and_no_array_is_called_a_mesh() {
 fn settings_are_refused_by_name_by_value_and_by_range() {
     for (setting, why) in [
         ("foo=1", "no knob or switch is called foo"),
+        ("blur=0.4", "blur has an option of its own: --blur"),
+        ("volume=0.5", "volume belongs to the window"),
         ("decay=abc", "decay is a number from 0"),
         ("decay=99", "decay is a number from 0"),
         ("form=zzz", "form has no value called zzz"),

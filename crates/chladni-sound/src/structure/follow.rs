@@ -134,7 +134,7 @@ impl BarFollower {
 
 fn mean(beats: &[BeatFeatures]) -> Vec<f32> {
     let values = |beat: &BeatFeatures| -> Vec<f32> {
-        // Powers in bels, which gives them about the weight of notes and onsets.
+        // A tenth of the powers' natural logarithms, which gives them about the weight of notes and onsets.
         let octaves = beat.octaves.iter().map(|power| 0.1 * (power + 8.0).max(0.0));
         beat.chroma
             .iter()

@@ -1,7 +1,7 @@
 //! Changes that arguments make to an instrument before it is heard: form, ringing, choir, and any knob or switch by
 //! name.
 
-use chladni_music::{Action, PAPER_MODE, Parameter, Parameters, Switch, Timbre, preceding, setting};
+use chladni_music::{Action, PAPER_MODE, Parameter, Parameters, Switch, Target, Timbre, preceding, setting};
 
 use super::Dance;
 use crate::work::Error;
@@ -62,9 +62,29 @@ fn set(text: &str) -> Result<Action, String> {
         if setting(name, "0").is_some() {
             format!("{name} has no value called {value}")
         } else {
-            format!("no knob or switch is called {name}; docs/controls.md lists them")
+            no_setting(name)
         }
     })
+}
+
+/// Why `--set` does not take `name`, and what does.
+fn no_setting(name: &str) -> String {
+    match Target::named(name) {
+        None => format!("no knob or switch is called {name}; docs/controls.md lists them"),
+        Some(
+            Target::Look
+            | Target::Palette
+            | Target::Material
+            | Target::Lights
+            | Target::Background
+            | Target::Blur
+            | Target::Preset
+            | Target::Autopilot,
+        ) => format!("{name} has an option of its own: --{name}"),
+        Some(_) => {
+            format!("{name} belongs to the window and its remote controls; a dance has no such setting")
+        }
+    }
 }
 
 /// How harmonics may ring, by name.

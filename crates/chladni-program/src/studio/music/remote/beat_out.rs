@@ -94,12 +94,12 @@ impl Sent {
     }
 }
 
-/// The loudest of each eighth of the bands.
+/// The loudest of each eighth of the bands, at most 1: with a fixed level, loud bands exceed that.
 fn octaves(bands: &[f32]) -> [f32; BANDS] {
     std::array::from_fn(|i| {
         let share = |i: usize| i * bands.len() / BANDS;
         let part = bands.get(share(i)..share(i + 1)).unwrap_or_default();
-        part.iter().fold(0.0, |loudest: f32, level| loudest.max(*level))
+        part.iter().fold(0.0, |loudest: f32, level| loudest.max(*level)).min(1.0)
     })
 }
 
@@ -227,6 +227,7 @@ mod tests {
         let OscType::Float(highest) = bands[0].1.args[BANDS - 1] else { panic!("no number") };
         assert_eq!((bands[0].1.args.len(), highest), (BANDS, 127.0 / 128.0));
         assert_eq!(octaves(&[]), [0.0; BANDS]);
+        assert_eq!(octaves(&[15.8; 2 * BANDS]), [1.0; BANDS]);
     }
 
     #[test]
