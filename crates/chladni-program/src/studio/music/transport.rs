@@ -1,6 +1,7 @@
 //! Files, song and gallery: the bar above the dancing shapes.
 
 use chladni_music::{Action, Switch};
+use chladni_task::counted;
 use egui::{RichText, ScrollArea, Ui};
 
 use super::concert::Concert;
@@ -49,7 +50,7 @@ fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let text = RichText::new(icon::label(Icon::Circle, &clock(secs))).color(theme::palette(ui).error);
     let tip = match left_out {
         0 => "Recording: end it".to_owned(),
-        _ => format!("Recording, {left_out} pictures left out so far: end it"),
+        _ => format!("Recording, {} left out so far: end it", counted(left_out, "picture", "pictures")),
     };
     let end = ui.button(text).accessible_name("End the recording").author_id("recording-end");
     if end.on_hover_text(tip).clicked() {
@@ -60,10 +61,11 @@ fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
 /// Says that other programs see the stage.
 fn camera(ui: &mut Ui, concert: &Concert) {
     let Some(camera) = concert.outgoing.camera() else { return };
-    let (sent, left_out) = (camera.sent(), camera.left_out());
+    let sent = counted(camera.sent(), "picture", "pictures");
+    let left_out = counted(camera.left_out(), "was", "were");
     let tip = format!(
-        "Other programs see the stage as the camera Chladni: {sent} pictures went out, {left_out} were followed by \
-         another one too soon. Drawer Look ends it."
+        "Other programs see the stage as the camera Chladni: {sent} went out, {left_out} followed by another \
+         one too soon. Drawer Look ends it."
     );
     ui.label(icon::text(Icon::Camera)).author_id("camera-out").on_hover_text(tip);
 }
