@@ -10,6 +10,7 @@ use super::curve;
 use super::lineage;
 use super::wish::Wish;
 use crate::studio::author_id::AuthorId;
+use crate::studio::context_menu;
 use crate::studio::icon::{self, Icon};
 use crate::studio::notices::Notices;
 use crate::studio::theme;
@@ -244,6 +245,10 @@ fn preset_row(ui: &mut Ui, path: Option<&Path>, preset: &Preset, wishes: &mut Ve
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 40.0), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &preset.name));
     let response = response.author_id(format!("preset/{}", preset.name));
+    // A screen reader also clicks on what is out of sight.
+    if response.clicked() {
+        wishes.push(Wish::Take(Box::new(preset.clone())));
+    }
     // A long shelf is mostly out of sight.
     if !ui.is_rect_visible(rect) {
         return;
@@ -263,11 +268,8 @@ fn preset_row(ui: &mut Ui, path: Option<&Path>, preset: &Preset, wishes: &mut Ve
     });
     let response =
         response.on_hover_text("It dances while you point at it; a click takes it into the gallery");
-    if response.clicked() {
-        wishes.push(Wish::Take(Box::new(preset.clone())));
-    }
     let Some(path) = path else { return };
-    response.context_menu(|ui| {
+    context_menu::show(&response, |ui| {
         if ui.button(icon::label(Icon::Trash2, "Delete from the shelf")).clicked() {
             wishes.push(Wish::Discard(path.to_owned()));
             ui.close();

@@ -10,6 +10,7 @@ use super::listening::Listening;
 use super::view::View;
 use super::wish::{Then, Wish};
 use crate::studio::author_id::AuthorId;
+use crate::studio::context_menu;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{
     BACK, BREED, FILM, FORTH, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW,
@@ -207,9 +208,10 @@ fn suggesting(ui: &mut Ui, on: bool, wishes: &mut Vec<Wish>) {
     if response.clicked() {
         wishes.push(Wish::Do(Action::Switch { switch: Switch::Suggest, on: !on }));
     }
-    response.context_menu(|ui| {
+    context_menu::show(&response, |ui| {
         if ui.button("Forget what was chosen").clicked() {
             wishes.push(Wish::Do(Action::ForgetPreference));
+            ui.close();
         }
     });
 }
