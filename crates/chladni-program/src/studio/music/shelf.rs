@@ -295,7 +295,24 @@ fn thumbnail(ui: &mut Ui, mapping: &Mapping) {
 
 #[cfg(test)]
 mod tests {
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
     use super::*;
+
+    #[test]
+    fn a_screen_reader_takes_a_dance_that_is_out_of_sight() {
+        let preset = repertoire().unwrap().remove(0);
+        let name = preset.name.clone();
+        let panel = move |ui: &mut Ui, wishes: &mut Vec<Wish>| {
+            ui.add_space(1000.0);
+            preset_row(ui, None, &preset, wishes);
+        };
+        let mut window = Harness::builder().with_size(vec2(200.0, 100.0)).build_ui_state(panel, Vec::new());
+        window.get_by_label(&name).click_accesskit();
+        window.run_steps(2);
+        assert!(matches!(window.state()[..], [Wish::Take(_)]));
+    }
 
     #[test]
     fn a_shelf_that_is_not_read_whole_says_so() {
