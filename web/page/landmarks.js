@@ -1,5 +1,5 @@
 // Landmarks: their numbers over both shapes, and their list.
-import { of } from "./page.js";
+import { of, refill } from "./page.js";
 
 /** Colors that people with any color vision can tell apart, as the dots have them. */
 const COLORS = ["#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7"];
@@ -21,11 +21,12 @@ export function listLandmarks(landmarks, remove) {
   const shown = JSON.stringify(landmarks);
   if (of("landmark-list").dataset.shown === shown) return;
   of("landmark-list").dataset.shown = shown;
-  of("landmark-list").replaceChildren(...landmarks.map(({ shape, template }, index) => {
+  refill(of("landmark-list"), landmarks.map(({ shape, template }, index) => {
     const [item, dot, text, button] = ["li", "i", "span", "button"].map((name) => document.createElement(name));
     dot.style.background = COLORS[index % COLORS.length];
     text.textContent = `${index + 1}: vertex ${shape} on ${template}`;
     button.textContent = "✕";
+    button.dataset.key = `${index} remove`;
     button.setAttribute("aria-label", `Remove landmark ${index + 1}`);
     button.onclick = () => remove(index);
     item.append(dot, text, button);

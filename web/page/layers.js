@@ -26,7 +26,7 @@ function row(layer, chosen, top, bottom, choices) {
   const item = document.createElement("li");
   item.className = `${chosen ? "chosen" : ""} ${layer.state}`;
   const key = (what) => `${layer.id} ${what}`;
-  const eye = button(key("eye"), layer.enabled ? "◉" : "○", `${layer.enabled ? "Hide" : "Show"} ${layer.name}`, () => choices.enable(layer, !layer.enabled));
+  const eye = button(key("eye"), layer.enabled ? "◉" : "○", `Show ${layer.name}`, () => choices.enable(layer, !layer.enabled));
   eye.setAttribute("aria-pressed", layer.enabled);
   const name = document.createElement("button");
   name.className = "name";

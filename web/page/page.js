@@ -158,13 +158,22 @@ function letGo() {
 }
 
 /** Puts `children` in place of those of an element, once none of these is pressed. What had the focus has it again: who has
- * the same `data-key`. */
+ * the same `data-key`, or else the same last word of it in the row that has come to that place, or, where no row is left,
+ * the control that the element names as `data-otherwise`. */
 export function refill(parent, children) {
   if (pressed && parent.contains(pressed)) return waiting.set(parent, children);
   waiting.delete(parent);
-  const held = parent.contains(document.activeElement) ? document.activeElement.dataset.key : undefined;
+  const focused = document.activeElement;
+  const held = parent.contains(focused) ? focused.dataset.key : undefined;
+  const row = [...parent.children].findIndex((child) => child.contains(focused));
   parent.replaceChildren(...children);
-  if (held) parent.querySelector(`[data-key="${CSS.escape(held)}"]`)?.focus();
+  if (!held) return;
+  const there = children[Math.min(row, children.length - 1)];
+  const again = parent.querySelector(`[data-key="${CSS.escape(held)}"]`)
+    ?? there?.querySelector(`[data-key$=" ${CSS.escape(held.split(" ").at(-1))}"]`)
+    ?? there?.querySelector("button")
+    ?? document.getElementById(parent.dataset.otherwise);
+  again?.focus();
 }
 
 /** How long a browser may take to fetch what it saves: some ask first. */

@@ -213,6 +213,14 @@ export async function layers() {
   await until(page, () => !window.chladni.sitting.layers[0].enabled);
   await page.keyboard.press("Enter");
   await until(page, () => window.chladni.sitting.layers[0].enabled);
+  assert.match(await page.getAttribute(":focus", "aria-label"), /^Show /, "whether it is shown is said besides");
+  await page.focus("#layers [data-key$=' delete']");
+  await page.keyboard.press("Enter");
+  await until(page, () => !window.chladni.sitting.layers.length && document.activeElement.id === "add");
+  await page.click("#undo");
+  await until(page, () => window.chladni.sitting.layers.length === 1);
+  await page.click("#layers .name");
+  await acts(page);
 
   await page.focus("#mu");
   await page.keyboard.press("ArrowLeft");

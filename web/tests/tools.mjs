@@ -234,8 +234,10 @@ async function landmarks(page, shot) {
   await page.mouse.move(at[0], at[1] + 40, { steps: 5 });
   await page.mouse.up();
   await until(page, (before) => window.chladni.sitting.layers.at(-1).landmarks[0].shape !== before, before);
-  await page.click("#landmark-list button");
+  await page.focus("#landmark-list button");
+  await page.keyboard.press("Enter");
   await until(page, () => window.chladni.sitting.layers.at(-1).landmarks.length === 2);
+  await until(page, () => document.activeElement.getAttribute("aria-label") === "Remove landmark 1");
   await until(page, () => document.querySelectorAll("#labels span").length === 4);
   await page.mouse.click(box.x + 0.215 * box.width, box.y + 0.44 * box.height, { button: "right" });
   await until(page, () => window.chladni.sitting.layers.at(-1).landmarks.length === 1);

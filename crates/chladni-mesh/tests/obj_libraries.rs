@@ -180,6 +180,37 @@ fn a_picture_s_name_ends_as_pictures_names_do() {
 }
 
 #[test]
+fn a_picture_is_found_again_whatever_it_and_the_mesh_are_called() {
+    let long = "\u{e4}".repeat(150);
+    let names = [" skin", "\u{a0}skin.png", "\u{3000}skin", "sk\nin", "-clamp on", "sk\0in.png", " ", &long];
+    let meshes = ["out.obj", " head.obj", "-head.obj", "\u{3000}.obj"];
+    for (name, mesh) in names.iter().flat_map(|name| meshes.map(|mesh| (name, mesh))) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(mesh);
+        // The second picture of the name needs a number.
+        for last in [b"1", b"2"] {
+            let bytes = [PICTURE, last].concat();
+            let picture = Texture { name: (*name).into(), bytes: bytes.clone().into() };
+            let material = Material { base_color_texture: Some(picture), ..Material::named("wood") };
+            save_mesh(&triangle_of(material), &path).unwrap();
+            let loaded = load_mesh(&path).unwrap();
+            assert_eq!(loaded.mended, [], "{name:?} beside {mesh:?}");
+            let found = loaded.mesh.appearance.materials[0].base_color_texture.clone().unwrap();
+            assert_eq!(found.bytes[..], bytes, "{name:?} beside {mesh:?}");
+        }
+    }
+}
+
+#[test]
+fn where_no_name_would_do_the_reason_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("file"), "").unwrap();
+    let material = Material::named("wood");
+    let why = save_mesh(&triangle_of(material), &folder.path().join("file/out.obj")).unwrap_err();
+    assert!(!why.to_string().contains("no free name"), "{why}");
+}
+
+#[test]
 fn a_channel_slightly_above_one_is_no_byte() {
     let obj = |channel: &str| format!("v 0 0 0 {channel} .5 .25\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n");
     let off = |channel: &str| {

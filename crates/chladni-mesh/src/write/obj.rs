@@ -100,9 +100,7 @@ fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
 /// Writes the OBJ file, its library and the pictures beside it, the OBJ last. The library is `STEM.mtl`, or has a number where
 /// that is of another mesh.
 pub(crate) fn save_with_materials(mesh: &TriMesh, path: &Path) -> Result<(), MeshError> {
-    let stem = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
-    // After a # the rest of a line would be a comment.
-    let stem = stem.replace('#', "_");
+    let stem = readable(&path.file_stem().unwrap_or_default().to_string_lossy(), "mesh");
     let mut text = String::new();
     let names = names(&mesh.appearance.materials);
     for (material, name) in mesh.appearance.materials.iter().zip(&names.materials) {
@@ -147,11 +145,9 @@ fn push_material(text: &mut String, name: &str, material: &Material, picture: Op
 
 /// Puts a picture beside `path` unless an identical one is there already; returns its name.
 fn save_picture(path: &Path, stem: &str, name: &str, bytes: &[u8]) -> Result<String, MeshError> {
-    // In a library, too, text after a # is a comment.
-    let own = Path::new(&name.replace('\\', "/").replace('#', "_"))
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned());
-    let mut own = own.unwrap_or_else(|| "texture".into());
+    let name = name.replace('\\', "/");
+    let own = Path::new(&name).file_name().unwrap_or_default();
+    let mut own = readable(&own.to_string_lossy(), "texture");
     let known =
         |ending: &OsStr| ["png", "jpg", "jpeg"].iter().any(|known| ending.eq_ignore_ascii_case(known));
     if !Path::new(&own).extension().is_some_and(known) {
@@ -160,6 +156,19 @@ fn save_picture(path: &Path, stem: &str, name: &str, bytes: &[u8]) -> Result<Str
     let numbered = (1..MOST_NUMBERS).map(|i| format!("{stem}-{i}-{own}"));
     save_beside(path, std::iter::once(own.clone()).chain(numbered), bytes, None)
 }
+
+/// `name` as a file's name that a statement can end in and that leaves room for numbers; `other` where nothing is left of
+/// it. Readers drop blanks around a name, take a dash for an option, a backslash for a folder and # for a comment.
+fn readable(name: &str, other: &str) -> String {
+    let plain = name.replace(|c: char| c.is_control() || ['#', '\\'].contains(&c), "_");
+    let plain = plain.trim();
+    let plain = if plain.is_empty() { other } else { plain };
+    let dash = if plain.starts_with('-') { "_" } else { "" };
+    format!("{dash}{}", &plain[..plain.floor_char_boundary(MOST_BYTES)])
+}
+
+/// A name of a mesh and one of a picture fit into one name of a file, of at most 255 bytes.
+const MOST_BYTES: usize = 115;
 
 /// From this number on, names for files of one name are not tried.
 const MOST_NUMBERS: usize = 1000;
@@ -182,6 +191,10 @@ fn save_beside(
             Ok(there) if there == bytes => return Ok(name),
             _ if is_own() => write_atomic(&file, bytes),
             Err(error) if error.kind() == ErrorKind::NotFound => write_new(&file, bytes),
+            // No other number would help.
+            Err(error) if matches!(error.kind(), ErrorKind::InvalidFilename | ErrorKind::NotADirectory) => {
+                Err(error)
+            }
             _ => Err(ErrorKind::AlreadyExists.into()),
         };
         match written {

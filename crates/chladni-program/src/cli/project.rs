@@ -292,7 +292,8 @@ impl Show {
         if self.json {
             return terminal.json(&shown);
         }
-        let Shown { shape, harmonics, laplacian, .. } = &shown;
+        let Shown { shape, laplacian, .. } = &shown;
+        let harmonics = counted(shown.harmonics, "harmonic", "harmonics");
         let keeps = if shown.keep_triangles { ", keeps triangles" } else { "" };
         let proxy = match shown.proxy {
             None => String::new(),
@@ -301,7 +302,7 @@ impl Show {
         };
         let stands = shown.stands.map_or_else(String::new, |stands| format!(", {stands}"));
         terminal.result(format_args!(
-            "{shape}, {harmonics} harmonics of the {laplacian} Laplacian{keeps}{proxy}{stands}"
+            "{shape}, {harmonics} of the {laplacian} Laplacian{keeps}{proxy}{stands}"
         ))?;
         for (i, layer) in shown.layers.iter().enumerate() {
             let (off, solo) = (if layer.acts { "" } else { ", off" }, if layer.solo { ", solo" } else { "" });

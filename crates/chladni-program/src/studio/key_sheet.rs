@@ -3,9 +3,13 @@
 use super::shortcut::Shortcut;
 use super::{keys, theme};
 
-/// Keys of a 3D view that Tab has reached.
-const FOCUSED: [(&str, &str); 2] =
-    [("Arrows", "Turn the view that has the focus"), ("+ and −", "Nearer, farther, in that view")];
+/// Keys of what Tab has reached.
+const FOCUSED: [(&str, &str); 4] = [
+    ("Arrows", "Turn the view that has the focus"),
+    ("+ and −", "Nearer, farther, in that view"),
+    ("Arrows on a curve", "Go along it, raise and lower it"),
+    ("Menu, Shift+F10", "Open the menu of what has the focus"),
+];
 
 /// Mouse gestures in every 3D view, and while a region is painted.
 const MOUSE: [(&str, &str); 7] = [

@@ -9,7 +9,9 @@ mod card;
 mod caricature;
 mod choose;
 mod closing;
+mod context_menu;
 mod copying;
+mod curve_keys;
 mod device;
 mod effort;
 mod error;
@@ -101,6 +103,10 @@ pub struct Studio {
     closing: Closing,
     /// Nobody has chosen preferences yet.
     first_run: bool,
+    /// The zoom of the last frame.
+    last_zoom: f32,
+    /// The zoom for which the system knows the smallest size of the window.
+    smallest_at: f32,
     /// Cancelled where the system asks the program to end.
     ends: Option<Task>,
 }
@@ -194,6 +200,8 @@ impl Studio {
             key_sheet_open: false,
             closing: Closing::No,
             first_run,
+            last_zoom: 0.0,
+            smallest_at: 0.0,
             ends,
         };
         if let Some(ends) = &studio.ends {

@@ -102,6 +102,15 @@ fn info_counts_a_sample() {
 }
 
 #[test]
+fn a_project_of_one_harmonic_says_so_in_the_singular() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = folder.path().join("p.chladni");
+    Run::of(&["project", "new", "sample:bell", "-k", "1", "-o", text(&project)]).succeeded();
+    let shown = Run::of(&["project", "show", text(&project)]).succeeded().stdout();
+    assert!(shown.contains(", 1 harmonic of the "), "{shown}");
+}
+
+#[test]
 fn a_caricature_with_mu_zero_is_the_shape_itself() {
     let folder = tempfile::tempdir().unwrap();
     let shape = folder.path().join("shape.obj");

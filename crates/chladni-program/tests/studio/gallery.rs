@@ -23,6 +23,10 @@ fn caricatures_are_chosen_bred_and_taken_as_layers_in_one_step() {
     person.wait_to_see("Breed 2");
     person.press(Key::F);
     person.wait_to_see("Favorites");
+    person.wait("the mark in words", |window| {
+        let value = driving::control(window, "caricature/4").accesskit_node().value();
+        value.is_some_and(|value| value.starts_with("favorite, "))
+    });
     person.click("lock/scales");
     person.press(Key::Enter);
     person.wait("the children", |window| {

@@ -9,6 +9,7 @@ use egui::{Pos2, Rect, Response, Sense, Ui, pos2, vec2};
 use self::painting::paint;
 use self::plot::{Plot, from_screen, gain_at, to_screen};
 use crate::studio::author_id::AuthorId;
+use crate::studio::curve_keys::CurveKeys;
 use crate::studio::theme;
 use crate::work::scale_plot::{self, Spectrum, gain_in_words, percent, share_of_axis, wave_at};
 
@@ -25,13 +26,15 @@ pub enum Pen {
     Free,
 }
 
-/// Draws and edits `curve`; `spectrum` is shown behind it. The response is
+/// Draws and edits `curve`, by the pointer or by arrow keys; `spectrum` is shown behind it. The response is
 /// [`changed`](Response::changed) where the curve was edited, and `drag_stopped` ends an edit.
 pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &Spectrum) -> Response {
     let size = vec2(ui.available_width(), 180.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let keys = CurveKeys::of(ui, &response);
+    let there = keys.map(|keys| wave_at(f64::from(keys.at)));
     response.widget_info(|| egui::WidgetInfo {
-        current_text_value: Some(in_words(curve)),
+        current_text_value: Some(there.map_or_else(|| in_words(curve), |wave| there_in_words(curve, wave))),
         ..egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Scale curve")
     });
     let mut response = response.author_id("scale-curve");
@@ -47,17 +50,25 @@ pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &Spectrum) 
             Pen::Free => draw_freely(ui, &response, plot.curve, curve),
         }
     }
+    if let (Some(keys), Some(wave)) = (keys.filter(|keys| keys.rise != 0.0), there) {
+        let height = scale_plot::height_of(curve.at(wave)) + f64::from(keys.rise);
+        curve.set_point(wave, scale_plot::gain_at(height));
+    }
     if *curve != before {
         response.mark_changed();
     }
     paint(ui, rect, plot, curve, spectrum, pen);
+    if let Some(keys) = keys {
+        keys.paint(ui, plot.curve);
+    }
     let pointed = response.hover_pos().map(|at| {
         if on_residual {
             return format!("Finer than every harmonic: ×{:.2}", curve.residual);
         }
         gain_in_words(from_screen(plot.curve, at))
     });
-    let text = pointed.unwrap_or_else(|| "Wavelength, as a share of its size".into());
+    let text = pointed.or_else(|| there.map(|wave| there_in_words(curve, wave)));
+    let text = text.unwrap_or_else(|| "Wavelength, as a share of its size".into());
     let font = egui::TextStyle::Small.resolve(ui.style());
     let at = pos2(rect.center().x, rect.bottom() - 3.0);
     ui.painter().text(at, egui::Align2::CENTER_BOTTOM, text, font, theme::palette(ui).weak);
@@ -71,6 +82,10 @@ fn in_words(curve: &ScaleCurve) -> String {
     let words = points.map(|[wavelength, gain]| format!("at {} ×{gain:.2}", percent(*wavelength)));
     let words: Vec<_> = words.chain([format!("finer ×{:.2}", curve.residual)]).collect();
     words.join(", ")
+}
+
+fn there_in_words(curve: &ScaleCurve, wavelength: f64) -> String {
+    gain_in_words([wavelength, curve.at(wavelength)])
 }
 
 fn drag_residual(response: &Response, column: Rect, curve: &mut ScaleCurve) {
@@ -204,6 +219,27 @@ mod tests {
         let points = window.state().points.clone();
         drag(&mut window, plot.residual.center_bottom(), plot.residual.center_top());
         assert_eq!((window.state().residual, &window.state().points), (ScaleCurve::MAX_GAIN, &points));
+    }
+
+    #[test]
+    fn arrow_keys_put_points() {
+        let mut window = window();
+        window.get_by_label("Scale curve").focus();
+        window.run_steps(3);
+        let height = |window: &Harness<'static, ScaleCurve>, place: f64| {
+            scale_plot::height_of(window.state().at(wave_at(place)))
+        };
+        let (place, count) = (3.0 / 32.0, window.state().points.len());
+        let before = height(&window, place);
+        let step = if before < 0.5 { egui::Key::ArrowUp } else { egui::Key::ArrowDown };
+        for key in [egui::Key::ArrowRight; 3].into_iter().chain([step; 2]) {
+            window.key_press(key);
+            window.run_steps(2);
+        }
+        let moved = (height(&window, place) - before).abs();
+        assert!((moved - 0.1).abs() < 1e-6, "{moved}");
+        assert_eq!(window.state().points.len(), count + 1);
+        window.state().validate().unwrap();
     }
 
     #[test]

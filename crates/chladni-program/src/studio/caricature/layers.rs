@@ -7,6 +7,7 @@ use super::edits::Edits;
 use super::session::Session;
 use super::thumbnails::Thumbnails;
 use crate::studio::author_id::AuthorId;
+use crate::studio::context_menu;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{ADD_MESH, DELETE, DUPLICATE, HIDE, SOLO};
 use crate::studio::theme;
@@ -157,7 +158,7 @@ impl LayerList {
         if response.double_clicked() {
             self.rename(id, layer);
         }
-        response.context_menu(|ui| {
+        context_menu::show(&response, |ui| {
             *selected = Some(id);
             self.menu(ui, project, id, layer, edits);
         });
@@ -188,21 +189,26 @@ impl LayerList {
         let top = project.layers().len().saturating_sub(1);
         if ui.button(icon::label(Icon::Pencil, "Rename")).author_id("rename").clicked() {
             self.rename(id, layer);
+            ui.close();
         }
         if ui.button(icon::label(Icon::Copy, "Duplicate")).clicked() {
             edits.once(Action::Duplicate(id));
+            ui.close();
         }
         let up = egui::Button::new(icon::label(Icon::ArrowUp, "Move up"));
         if ui.add_enabled(place < top, up).clicked() {
             edits.once(Action::Move { layer: id, index: place + 1 });
+            ui.close();
         }
         let down = egui::Button::new(icon::label(Icon::ArrowDown, "Move down"));
         if ui.add_enabled(place > 0, down).clicked() {
             edits.once(Action::Move { layer: id, index: place - 1 });
+            ui.close();
         }
         ui.separator();
         if ui.button(icon::label(Icon::Trash2, "Delete")).clicked() {
             edits.once(Action::Remove(id));
+            ui.close();
         }
     }
 

@@ -233,10 +233,12 @@ impl Browser {
         if self.picked.len() > 1 {
             return Verdict::Done(self.picked.iter().map(|name| self.folder.join(name)).collect());
         }
-        if self.typed.trim().is_empty() {
-            return Verdict::Refused("Type a name or a path, or click a file.".into());
-        }
-        let mut path = self.path_of(self.typed.trim());
+        // A picked name counts as it is, with blanks around it.
+        let mut path = match (self.picked.first(), self.typed.trim()) {
+            (Some(name), _) => self.folder.join(name),
+            (None, "") => return Verdict::Refused("Type a name or a path, or click a file.".into()),
+            (None, typed) => self.path_of(typed),
+        };
         if path.is_dir() {
             self.typed.clear();
             self.enter(&path);
@@ -361,6 +363,18 @@ mod tests {
         browser.retyped();
         assert!(!browser.is_chosen("igea.ply"));
         assert_eq!(browser.go_ahead(), Verdict::Done(vec![folder.path().join("Heads/max.obj")]));
+    }
+
+    #[test]
+    fn a_picked_file_may_begin_with_a_blank() {
+        let folder = folder();
+        for name in [" head.obj", "\u{3000}head.ply"] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "").unwrap();
+            let mut browser = browser(Purpose::Open, folder.path());
+            browser.pick(name, false);
+            assert_eq!(browser.go_ahead(), Verdict::Done(vec![path]), "{name:?}");
+        }
     }
 
     #[test]

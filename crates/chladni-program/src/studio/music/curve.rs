@@ -3,6 +3,7 @@
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
 use crate::studio::author_id::AuthorId;
+use crate::studio::curve_keys::{self, CurveKeys};
 use crate::studio::theme;
 use crate::work::drawn_curve::draw;
 
@@ -28,13 +29,17 @@ pub struct Plot<'a> {
     pub behind: &'a [f32],
 }
 
-/// Draws `values` and lets the pointer draw over them. The response is
+/// Draws `values` and lets the pointer draw over them, and arrow keys change them. The response is
 /// [`changed`](Response::changed) where values were drawn, and `drag_stopped` or `clicked` ends
 /// a stroke. With Shift a stroke keeps the height at which it began.
 pub fn edit(ui: &mut Ui, rect: Rect, plot: &Plot<'_>, values: &mut [f32]) -> Response {
     let id = ui.scope_id().with(plot.name);
     let response = ui.interact(rect, id, Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, plot.name));
+    let keys = CurveKeys::of(ui, &response);
+    response.widget_info(|| egui::WidgetInfo {
+        current_text_value: keys.map(|keys| in_words(values, keys.at)),
+        ..egui::WidgetInfo::labeled(egui::Role::Canvas, true, plot.name)
+    });
     let mut response = response.author_id(plot.id);
     let inside = inside(rect);
     let held = response.is_pointer_button_down_on()
@@ -52,8 +57,28 @@ pub fn edit(ui: &mut Ui, rect: Rect, plot: &Plot<'_>, values: &mut [f32]) -> Res
     } else {
         ui.data_mut(|data| data.remove_temp::<[f32; 2]>(id));
     }
+    if let Some(keys) = keys.filter(|keys| keys.rise != 0.0) {
+        let (low, high) = plot.range;
+        let value = value_at(values, keys.at) + keys.rise * (high - low);
+        if draw(values, plot.range, [keys.at + curve_keys::STEP, value], [keys.at, value]) {
+            response.mark_changed();
+        }
+    }
     paint(ui, rect, inside, plot, values, response.hovered());
+    if let Some(keys) = keys {
+        keys.paint(ui, inside);
+    }
     response.on_hover_cursor(egui::CursorIcon::Crosshair)
+}
+
+/// The value at a share of the width.
+fn value_at(values: &[f32], at: f32) -> f32 {
+    let index = (at * values.len() as f32) as usize;
+    values.get(index).or(values.last()).copied().unwrap_or_default()
+}
+
+fn in_words(values: &[f32], at: f32) -> String {
+    format!("{:.2} at {:.0} %", value_at(values, at), 100.0 * at)
 }
 
 /// Where the curve lies within its frame: below the name.
@@ -109,4 +134,33 @@ pub fn line(painter: &egui::Painter, rect: Rect, values: &[f32], (low, high): (f
         })
         .collect();
     painter.line(points, stroke);
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::Key;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    use super::*;
+
+    #[test]
+    fn arrow_keys_choose_a_place_of_the_curve_and_change_it_there() {
+        let panel = |ui: &mut Ui, values: &mut [f32; 64]| {
+            let plot = Plot { id: "curve/t", name: "t", range: (0.0, 1.0), color: TRANSFER, behind: &[] };
+            let rect = Rect::from_min_size(Pos2::ZERO, vec2(300.0, 100.0));
+            edit(ui, rect, &plot, values);
+            let _ = ui.button("Another");
+        };
+        let mut window = Harness::builder().with_size(vec2(320.0, 200.0)).build_ui_state(panel, [0.5; 64]);
+        window.get_by_label("t").focus();
+        window.run_steps(3);
+        for key in [Key::ArrowRight, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown, Key::ArrowDown] {
+            window.key_press(key);
+            window.run_steps(2);
+        }
+        let values = window.state();
+        assert!((values[4] - 0.45).abs() < 1e-5 && values[4] == values[5], "{values:?}");
+        assert!(values[..4].iter().chain(&values[7..]).all(|value| *value == 0.5), "{values:?}");
+    }
 }

@@ -9,6 +9,7 @@ use super::lineage;
 use super::view::View;
 use super::wish::{A_LITTLE, Then, Wish};
 use crate::studio::author_id::AuthorId;
+use crate::studio::context_menu;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{DRAW, FAVORITE, LOCK, MUTATE, STAGE};
 use crate::studio::shortcut::Shortcut;
@@ -40,7 +41,11 @@ pub fn overlay(
         let standing = [(on_stage, "on stage"), (next, "next")];
         let standing = standing.into_iter().find(|(id, _)| *id == Some(item.id)).map(|(_, text)| text);
         let name = standing.map_or_else(|| title.clone(), |standing| format!("{title}, {standing}"));
-        response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &name));
+        let marks = in_words(instrument.is_favorite(item.id), item.locked);
+        response.widget_info(|| egui::WidgetInfo {
+            current_text_value: marks.map(str::to_owned),
+            ..egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &name)
+        });
         let response = response.author_id(format!("dance/{}", index + 1));
         if response.contains_pointer() {
             hovered = Some(index);
@@ -64,6 +69,16 @@ pub fn overlay(
         marks(ui, *cell, instrument, (index, item), is_marked, wishes);
     }
     (hovered, focused)
+}
+
+/// The marks of an item, for screen readers.
+fn in_words(favorite: bool, locked: bool) -> Option<&'static str> {
+    match (favorite, locked) {
+        (true, true) => Some("favorite, locked"),
+        (true, false) => Some("favorite"),
+        (false, true) => Some("locked"),
+        (false, false) => None,
+    }
 }
 
 fn frame(ui: &Ui, cell: Rect, item: &GalleryItem, title: &str, marked: bool) {
@@ -118,20 +133,24 @@ fn marks(
     if item.chosen {
         ui.label(RichText::new(icon::text(Icon::CircleCheck)).size(15.0).color(ACCENT));
     }
-    let mut button = |mark: Icon, on: bool, key: Shortcut, wish: Wish| {
-        let color = if on { ACCENT } else { Color32::from_white_alpha(200) };
+    let mut button = |mark: Icon, on: Option<bool>, key: Shortcut, wish: Wish| {
+        let color = if on == Some(true) { ACCENT } else { Color32::from_white_alpha(200) };
         let text = RichText::new(icon::text(mark)).size(15.0).color(color);
         let fill = Color32::from_black_alpha(120);
         let button = ui.add(egui::Button::new(text).fill(fill).stroke(Stroke::NONE).small());
+        if let Some(on) = on {
+            let info = || egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, key.action);
+            button.widget_info(info);
+        }
         if button.on_hover_text(key.tooltip(ui.ctx())).clicked() {
             wishes.push(wish);
         }
     };
-    button(Icon::Star, favorite, FAVORITE, Wish::Do(Action::Favorite { item: index, on: !favorite }));
-    button(Icon::Lock, item.locked, LOCK, Wish::Do(Action::Lock { item: index, on: !item.locked }));
-    button(Icon::Dices, false, MUTATE, Wish::Do(Action::Mutate { item: index, amount: A_LITTLE }));
-    button(Icon::Spline, false, DRAW, Wish::Show(View::CloseUp(index)));
-    button(Icon::Presentation, false, STAGE, Wish::Do(Action::PerformGallery { first: index }));
+    button(Icon::Star, Some(favorite), FAVORITE, Wish::Do(Action::Favorite { item: index, on: !favorite }));
+    button(Icon::Lock, Some(item.locked), LOCK, Wish::Do(Action::Lock { item: index, on: !item.locked }));
+    button(Icon::Dices, None, MUTATE, Wish::Do(Action::Mutate { item: index, amount: A_LITTLE }));
+    button(Icon::Spline, None, DRAW, Wish::Show(View::CloseUp(index)));
+    button(Icon::Presentation, None, STAGE, Wish::Do(Action::PerformGallery { first: index }));
 }
 
 fn menu(
@@ -141,7 +160,7 @@ fn menu(
     wishes: &mut Vec<Wish>,
 ) {
     let favorite = instrument.is_favorite(item.id);
-    response.context_menu(|ui| {
+    context_menu::show(response, |ui| {
         let mut entry = |ui: &mut Ui, mark: Icon, name: &str, wish: Wish| {
             if ui.button(icon::label(mark, name)).clicked() {
                 wishes.push(wish);

@@ -10,6 +10,7 @@ use super::curve;
 use super::lineage;
 use super::wish::Wish;
 use crate::studio::author_id::AuthorId;
+use crate::studio::context_menu;
 use crate::studio::icon::{self, Icon};
 use crate::studio::notices::Notices;
 use crate::studio::theme;
@@ -244,6 +245,10 @@ fn preset_row(ui: &mut Ui, path: Option<&Path>, preset: &Preset, wishes: &mut Ve
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 40.0), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &preset.name));
     let response = response.author_id(format!("preset/{}", preset.name));
+    // A screen reader also clicks on what is out of sight.
+    if response.clicked() {
+        wishes.push(Wish::Take(Box::new(preset.clone())));
+    }
     // A long shelf is mostly out of sight.
     if !ui.is_rect_visible(rect) {
         return;
@@ -263,11 +268,8 @@ fn preset_row(ui: &mut Ui, path: Option<&Path>, preset: &Preset, wishes: &mut Ve
     });
     let response =
         response.on_hover_text("It dances while you point at it; a click takes it into the gallery");
-    if response.clicked() {
-        wishes.push(Wish::Take(Box::new(preset.clone())));
-    }
     let Some(path) = path else { return };
-    response.context_menu(|ui| {
+    context_menu::show(&response, |ui| {
         if ui.button(icon::label(Icon::Trash2, "Delete from the shelf")).clicked() {
             wishes.push(Wish::Discard(path.to_owned()));
             ui.close();
@@ -293,7 +295,24 @@ fn thumbnail(ui: &mut Ui, mapping: &Mapping) {
 
 #[cfg(test)]
 mod tests {
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
     use super::*;
+
+    #[test]
+    fn a_screen_reader_takes_a_dance_that_is_out_of_sight() {
+        let preset = repertoire().unwrap().remove(0);
+        let name = preset.name.clone();
+        let panel = move |ui: &mut Ui, wishes: &mut Vec<Wish>| {
+            ui.add_space(1000.0);
+            preset_row(ui, None, &preset, wishes);
+        };
+        let mut window = Harness::builder().with_size(vec2(200.0, 100.0)).build_ui_state(panel, Vec::new());
+        window.get_by_label(&name).click_accesskit();
+        window.run_steps(2);
+        assert!(matches!(window.state()[..], [Wish::Take(_)]));
+    }
 
     #[test]
     fn a_shelf_that_is_not_read_whole_says_so() {

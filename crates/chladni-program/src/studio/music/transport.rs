@@ -1,6 +1,7 @@
 //! Files, song and gallery: the bar above the dancing shapes.
 
 use chladni_music::{Action, Switch};
+use chladni_task::counted;
 use egui::{RichText, ScrollArea, Ui};
 
 use super::concert::Concert;
@@ -9,6 +10,7 @@ use super::listening::Listening;
 use super::view::View;
 use super::wish::{Then, Wish};
 use crate::studio::author_id::AuthorId;
+use crate::studio::context_menu;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{
     BACK, BREED, FILM, FORTH, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW,
@@ -49,7 +51,7 @@ fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let text = RichText::new(icon::label(Icon::Circle, &clock(secs))).color(theme::palette(ui).error);
     let tip = match left_out {
         0 => "Recording: end it".to_owned(),
-        _ => format!("Recording, {left_out} pictures left out so far: end it"),
+        _ => format!("Recording, {} left out so far: end it", counted(left_out, "picture", "pictures")),
     };
     let end = ui.button(text).accessible_name("End the recording").author_id("recording-end");
     if end.on_hover_text(tip).clicked() {
@@ -60,10 +62,11 @@ fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
 /// Says that other programs see the stage.
 fn camera(ui: &mut Ui, concert: &Concert) {
     let Some(camera) = concert.outgoing.camera() else { return };
-    let (sent, left_out) = (camera.sent(), camera.left_out());
+    let sent = counted(camera.sent(), "picture", "pictures");
+    let left_out = counted(camera.left_out(), "was", "were");
     let tip = format!(
-        "Other programs see the stage as the camera Chladni: {sent} pictures went out, {left_out} were followed by \
-         another one too soon. Drawer Look ends it."
+        "Other programs see the stage as the camera Chladni: {sent} went out, {left_out} followed by another \
+         one too soon. Drawer Look ends it."
     );
     ui.label(icon::text(Icon::Camera)).author_id("camera-out").on_hover_text(tip);
 }
@@ -205,9 +208,10 @@ fn suggesting(ui: &mut Ui, on: bool, wishes: &mut Vec<Wish>) {
     if response.clicked() {
         wishes.push(Wish::Do(Action::Switch { switch: Switch::Suggest, on: !on }));
     }
-    response.context_menu(|ui| {
+    context_menu::show(&response, |ui| {
         if ui.button("Forget what was chosen").clicked() {
             wishes.push(Wish::Do(Action::ForgetPreference));
+            ui.close();
         }
     });
 }

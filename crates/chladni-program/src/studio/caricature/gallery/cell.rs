@@ -3,6 +3,7 @@
 use egui::{Align2, Color32, Rect, Sense, Stroke, Ui, vec2};
 
 use crate::studio::author_id::AuthorId;
+use crate::studio::context_menu;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::breeding::{CHOOSE, FAVORITE, LOCK, MUTATE, TAKE};
 use crate::studio::shortcut::Shortcut;
@@ -39,13 +40,16 @@ pub fn show(
     let Some(item) = gallery.generations().items().get(index).cloned() else { return Ok(None) };
     let favorite = gallery.is_favorite(item.id);
     let title = format!("Caricature {}", index + 1);
-    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &title));
-    let response = response.author_id(format!("caricature/{}", index + 1));
     let doing = sitter.title(&item.genome);
+    response.widget_info(|| egui::WidgetInfo {
+        current_text_value: Some(in_words(favorite, item.locked, &doing)),
+        ..egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &title)
+    });
+    let response = response.author_id(format!("caricature/{}", index + 1));
     frame(ui, place, index, (item.chosen, favorite, item.locked), is_marked, &doing);
     let (mut takes, mut favors, mut locks, mut changes) =
         (pressed(TAKE) || response.double_clicked(), pressed(FAVORITE), pressed(LOCK), pressed(MUTATE));
-    response.context_menu(|ui| {
+    context_menu::show(&response, |ui| {
         takes |= wish(ui, Icon::Check, "Take it: it becomes layers");
         favors |= wish(ui, Icon::Star, if favorite { "No favorite any more" } else { "Favorite" });
         locks |= wish(ui, Icon::Lock, if item.locked { "Unlock" } else { "Lock in its place" });
@@ -65,6 +69,12 @@ pub fn show(
         gallery.lock_place(index, !item.locked)?;
     }
     Ok(if takes { Some(Wanted::Taken) } else { changes.then_some(Wanted::Changed) })
+}
+
+/// The marks of a caricature and its effect, for screen readers.
+fn in_words(favorite: bool, locked: bool, doing: &str) -> String {
+    let marks = [(favorite, "favorite"), (locked, "locked"), (true, doing)];
+    marks.iter().filter(|mark| mark.0).map(|mark| mark.1).collect::<Vec<_>>().join(", ")
 }
 
 /// A line of the menu; true where it was clicked.
