@@ -444,7 +444,7 @@ function refresh() {
   of("song").textContent = of("song").title = songName();
   for (const id of ["previous", "next"]) of(id).hidden = songs.count() < 2 || isLive;
   of("play").textContent = sound.isHeard ? "Pause" : "Play";
-  looks.show(state.looks, state.has_own_colors);
+  looks.show(state.looks, state.has_own_colors, state.effects);
   of("gain").value = state.settings.knobs?.gain ?? 1;
   const option = [...of("shape").options].find((option) => option.value === state.body);
   of("shape").value = option ? state.body : "";

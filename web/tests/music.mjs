@@ -191,6 +191,15 @@ async function turns(page) {
   assert.deepEqual((await state(page)).looks, { look: "ember", material: "clay", background: "night" });
   await page.selectOption("#look", "aurora");
   assert.deepEqual((await state(page)).looks, { look: "aurora" });
+  const corners = page.getByRole("checkbox", { name: "Dark corners" });
+  await corners.uncheck();
+  await page.selectOption("#look", "ember");
+  assert.deepEqual((await state(page)).looks, { look: "ember", without: ["corners"] });
+  assert.equal(await corners.isChecked(), false, "what is left out is left out of all looks");
+  assert.ok(await page.getByRole("checkbox", { name: "Grain", exact: true }).isDisabled(), "this look has none");
+  await corners.check();
+  await page.selectOption("#look", "aurora");
+  assert.deepEqual((await state(page)).looks, { look: "aurora" });
   await moves(page, "with other knobs");
   step(`${Object.keys(knobs).length} knobs and all switches, form, timbre, suggested children and parts of the look`);
 }

@@ -23,6 +23,42 @@ pub struct Finish {
     pub vignette: f32,
     /// How much each pixel differs by chance, in [0, 1]. Changes 24 times a second.
     pub grain: f32,
+    /// The effects that were left out of it, and stay so in a look that takes its place.
+    pub left_out: LeftOut,
+}
+
+/// An effect that can be left out of a finish; depth of field has a strength that can be chosen instead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Light that stays visible for a while.
+    Trails,
+    /// Light that spreads from bright places.
+    Glow,
+    /// Darker corners.
+    Corners,
+    /// Noise.
+    Grain,
+}
+
+impl Effect {
+    /// Names and effects, for menus and the command line.
+    pub const NAMED: [(&'static str, Self); 4] =
+        [("trails", Self::Trails), ("glow", Self::Glow), ("corners", Self::Corners), ("grain", Self::Grain)];
+
+    /// The effect called `name`.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::NAMED.into_iter().find(|(known, _)| *known == name).map(|(_, effect)| effect)
+    }
+}
+
+/// Effects that are left out of a finish, as a set of bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut(u8);
+
+impl LeftOut {
+    fn bit(effect: Effect) -> u8 {
+        1 << (effect as u8)
+    }
 }
 
 impl Finish {
@@ -36,7 +72,37 @@ impl Finish {
         bloom_from: 0.0,
         vignette: 0.0,
         grain: 0.0,
+        left_out: LeftOut(0),
     };
+
+    fn amount(&mut self, effect: Effect) -> &mut f32 {
+        match effect {
+            Effect::Trails => &mut self.trail_secs,
+            Effect::Glow => &mut self.bloom,
+            Effect::Corners => &mut self.vignette,
+            Effect::Grain => &mut self.grain,
+        }
+    }
+
+    /// Whether the picture has this effect.
+    pub fn has(mut self, effect: Effect) -> bool {
+        *self.amount(effect) > 0.0
+    }
+
+    /// The same with this effect left out.
+    #[must_use]
+    pub fn without(mut self, effect: Effect) -> Self {
+        *self.amount(effect) = 0.0;
+        self.left_out.0 |= LeftOut::bit(effect);
+        self
+    }
+
+    /// The same with all of these left out.
+    #[must_use]
+    pub fn without_all(self, left_out: LeftOut) -> Self {
+        let all = Effect::NAMED.into_iter().map(|(_, effect)| effect);
+        all.filter(|effect| left_out.0 & LeftOut::bit(*effect) != 0).fold(self, Self::without)
+    }
 
     /// Without the effects that read other pixels than the one they change: these cost most.
     pub fn without_glow(self) -> Self {
@@ -120,6 +186,27 @@ mod tests {
     fn light_that_spreads_is_neither_more_nor_less() {
         let all = SPREAD[0] + 2.0 * SPREAD[1..].iter().sum::<f32>();
         assert!((all - 1.0).abs() < 1e-6, "{all}");
+    }
+
+    #[test]
+    fn each_effect_can_be_left_out_alone() {
+        let finish =
+            Finish { trail_secs: 0.2, bloom: 0.8, vignette: 0.5, grain: 0.1, blur: 0.6, ..Finish::NOTHING };
+        let left_out = |effect| Finish { left_out: LeftOut(LeftOut::bit(effect)), ..finish };
+        for (expected, effect) in [
+            (Finish { trail_secs: 0.0, ..left_out(Effect::Trails) }, Effect::Trails),
+            (Finish { bloom: 0.0, ..left_out(Effect::Glow) }, Effect::Glow),
+            (Finish { vignette: 0.0, ..left_out(Effect::Corners) }, Effect::Corners),
+            (Finish { grain: 0.0, ..left_out(Effect::Grain) }, Effect::Grain),
+        ] {
+            let rest = finish.without(effect);
+            assert_eq!(rest, expected);
+            assert!(finish.has(effect) && !rest.has(effect));
+            assert_eq!(finish.without_all(rest.left_out), rest);
+        }
+        let all = Effect::NAMED.into_iter().fold(finish, |rest, (_, effect)| rest.without(effect));
+        assert!(Finish { blur: 0.0, ..all }.is_nothing());
+        assert!(Effect::NAMED.iter().all(|(name, effect)| Effect::named(name) == Some(*effect)));
     }
 
     #[test]

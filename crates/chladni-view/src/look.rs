@@ -71,6 +71,13 @@ impl Look {
         Self::PRESETS.iter().find(|(known, _)| *known == name).map(|(_, look)| *look)
     }
 
+    /// This look in the place of another one. A viewer's wishes for all looks stay: a shape's own colors, and the effects
+    /// that are left out.
+    pub fn in_place_of(self, other: &Self) -> Self {
+        let finish = self.finish.without_all(other.finish.left_out);
+        Self { own_colors: other.own_colors, finish, ..self }
+    }
+
     /// This look for shapes that may go as far as `farthest`, in the coordinates of their items.
     pub fn scaled(mut self, farthest: f32) -> Self {
         let unit = 1.0 / farthest.max(1e-6);

@@ -7,6 +7,8 @@ use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
 use chladni_music::{FormControl, Looks, Mapping, Settings, Switch, Viewpoint};
+use chladni_program::work::{look_named, look_on_stage};
+use chladni_view::Effect;
 
 use super::Concert;
 use super::knobs::{idle_knobs, timbre};
@@ -54,6 +56,8 @@ struct State<'a> {
     /// A saved show is played.
     played: bool,
     looks: &'a Looks,
+    /// The effects of the look that is seen, with those that are left out of it.
+    effects: Vec<&'static str>,
     /// The shape brings colors.
     has_own_colors: bool,
     viewpoint: Viewpoint,
@@ -104,6 +108,7 @@ impl Concert {
             piloted: self.programme.is_some(),
             played: self.script.is_some(),
             looks: &self.looks,
+            effects: self.own_effects(),
             has_own_colors: self.staging.has_own_colors(),
             viewpoint: self.viewpoint,
             settings: instrument.parameters().settings(),
@@ -113,5 +118,14 @@ impl Concert {
             idle: idle_knobs(instrument.parameters()),
         };
         Ok(serde_json::to_string(&state)?)
+    }
+}
+
+impl Concert {
+    fn own_effects(&self) -> Vec<&'static str> {
+        let whole = Looks { without: Vec::new(), ..self.looks.clone() };
+        let finish = look_on_stage(&self.instrument, look_named(&whole).0).finish;
+        let own = Effect::NAMED.into_iter().filter(|(_, effect)| finish.has(*effect));
+        own.map(|(name, _)| name).collect()
     }
 }

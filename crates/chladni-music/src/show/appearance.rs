@@ -31,6 +31,9 @@ pub struct Looks {
     /// Depth of field: softness out of focus, in percent of the most; `None` is the scene's own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blur_percent: Option<u8>,
+    /// The effects on the finished picture that are left out of any scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub without: Vec<String>,
 }
 
 /// The viewpoint, before the beat turns the shape. The default shows the whole shape.

@@ -8,7 +8,7 @@ use chladni_mesh::Format;
 use chladni_music::{BeatReading, CHOIRS, Choir, FORMS, Form, Looks, Preset, Show, SongRef};
 use chladni_synth::Backend;
 use chladni_view::film::RawFormat;
-use chladni_view::{Answer, Background, FilmFormat, Lights, Look, Material, Palette, Samples};
+use chladni_view::{Answer, Background, Effect, FilmFormat, Lights, Look, Material, Palette, Samples};
 
 use self::changes::{Ring, rings};
 use super::Terminal;
@@ -163,6 +163,10 @@ pub struct Dance {
     /// given; 0 is sharp everywhere.
     #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(0..=100))]
     blur: Option<u8>,
+    /// Leave these effects out of every look, also of those that come on stage: trails, glow, dark corners, grain. With a
+    /// show, beside those that it leaves out.
+    #[arg(long, value_name = "EFFECT", value_delimiter = ',', value_parser = one_of(Effect::NAMED))]
+    without: Vec<Effect>,
     /// Turn of the shape in degrees, to begin with.
     #[arg(long, allow_negative_numbers = true)]
     yaw: Option<f32>,
@@ -403,7 +407,7 @@ impl Dance {
     fn look(&self, of_show: Look) -> Look {
         // Parts alone are those of the plain look.
         let whole = if self.chooses_parts() && self.show.is_none() { Look::PLAIN } else { of_show };
-        let mut look = Look { own_colors: whole.own_colors, ..self.look.unwrap_or(whole) };
+        let mut look = self.look.unwrap_or(whole).in_place_of(&whole);
         if let Some(material) = self.material {
             look = Look { material, answer: None, ..look };
         }
@@ -418,6 +422,7 @@ impl Dance {
         look.lights = self.lights.unwrap_or(look.lights);
         look.background = self.background.unwrap_or(look.background);
         look.finish.blur = self.blur.map_or(look.finish.blur, blur);
+        look.finish = self.without.iter().fold(look.finish, |finish, effect| finish.without(*effect));
         look
     }
 

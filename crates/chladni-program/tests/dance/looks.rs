@@ -61,6 +61,28 @@ fn a_show_repeats_the_looks_that_came_on_stage() {
 }
 
 #[test]
+fn what_is_left_out_is_missing_in_every_look() {
+    let folder = tempfile::tempdir().unwrap();
+    let frame = |show: &Show, more: &[&str]| frame(folder.path(), show, "0.4", more);
+    let without = ["--without", "trails,corners"];
+    let calm = |mut show: Show| {
+        let left_out = ["trails", "corners"].map(str::to_owned).to_vec();
+        show.looks.iter_mut().for_each(|looks| looks.without.clone_from(&left_out));
+        show
+    };
+    let (ember, contour) = (show("ember", None), show("contour", None));
+    for left_out in ["trails", "glow", "corners"] {
+        assert_ne!(frame(&contour, &["--without", left_out]), frame(&contour, &[]), "{left_out}");
+    }
+    assert_eq!(frame(&calm(contour.clone()), &[]), frame(&contour, &without));
+    // A look that comes on stage, or that the film asks for, lacks it, too.
+    let changing = show("ember", Some("contour"));
+    assert_eq!(frame(&changing, &without), frame(&contour, &without));
+    assert_eq!(frame(&calm(changing.clone()), &[]), frame(&contour, &without));
+    assert_eq!(frame(&calm(changing), &["--look", "ember"]), frame(&ember, &without));
+}
+
+#[test]
 fn a_part_of_a_film_has_the_grain_of_the_whole_one() {
     let folder = tempfile::tempdir().unwrap();
     ball(&folder.path().join("ball.obj"));

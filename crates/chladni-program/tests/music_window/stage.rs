@@ -51,6 +51,17 @@ fn corners_are_pinned_on_stage_and_nowhere_else() {
 }
 
 #[test]
+fn effects_of_a_look_are_left_out_one_by_one() {
+    let (mut window, folder) = enter_with("leans_back = false\nlook = \"ember\"\n");
+    click(&mut window, "drawer/look");
+    assert!(control(&window, "effect/grain").accesskit_node().is_disabled(), "this look has none");
+    control(&window, "effect/corners").click_accesskit();
+    let settings = folder.path().join("settings.toml");
+    let is_kept = |_: &Window| std::fs::read_to_string(&settings).unwrap().contains("\"corners\"");
+    wait(&mut window, "that it is kept", is_kept);
+}
+
+#[test]
 fn a_film_plays_behind_what_dances() {
     let folder = tempfile::tempdir().unwrap();
     // Two seconds, and again.

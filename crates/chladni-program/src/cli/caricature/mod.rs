@@ -44,7 +44,7 @@ pub struct Caricature {
         conflicts_with = "recipe")]
     template: Option<Template>,
     /// Where the result goes: .obj, .ply, .stl or .glb (with a slider per layer). With --batch a
-    /// folder. May be left out where --render or --turntable draws.
+    /// folder. May be left out, but for --batch, where --render or --turntable draws.
     #[arg(short, long, value_name = "OUT", required_unless_present = "picture")]
     output: Option<PathBuf>,
     /// K, the number of harmonics [default: 512].

@@ -88,13 +88,15 @@ impl Drawers {
                 shared.settings.music.look_like(&seen);
                 look::show(ui, shared, concert.has_own_colors(), &mut self.adjusts, wishes);
                 let now = shared.settings.music.looks();
-                let files = |looks: Looks| Looks {
+                // These stay under any look.
+                let lasting = |looks: Looks| Looks {
                     picture: now.picture.clone(),
                     panorama: now.panorama.clone(),
+                    without: now.without.clone(),
                     ..looks
                 };
-                if now == files(seen) {
-                    shared.settings.music.look_like(&files(of_show));
+                if now == lasting(seen) {
+                    shared.settings.music.look_like(&lasting(of_show));
                 } else if instrument.look().is_some() {
                     wishes.push(Wish::Do(Action::SetLook { look: String::new() }));
                 }

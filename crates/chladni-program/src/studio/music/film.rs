@@ -380,9 +380,9 @@ impl Form {
             }
         };
         film.beginning.keeps_look = self.look.is_some();
-        // A shape's own colors stay under any look.
-        let own_colors = film.look.own_colors;
-        film.look = Look { own_colors, ..self.look.and_then(Look::named).unwrap_or(film.look) };
+        if let Some(look) = self.look.and_then(Look::named) {
+            film.look = look.in_place_of(&film.look);
+        }
         let duration_secs = (self.to_secs > 0.0).then_some(self.to_secs - self.from_secs);
         Ok(Film { start_secs: self.from_secs, duration_secs, ..film })
     }

@@ -2,7 +2,7 @@
 
 use chladni_music::{Instrument, Looks};
 use chladni_view::film::{HAS_SYPHON, video_devices};
-use chladni_view::{Background, Lights, Look, Material, Palette};
+use chladni_view::{Background, Effect, Finish, Lights, Look, Material, Palette};
 use egui::{RichText, Ui};
 
 use std::path::Path;
@@ -15,12 +15,13 @@ use crate::studio::theme;
 use crate::work::OWN_COLORS;
 
 /// The names of the look that is seen: that of the dance on stage in place of the show's, as
-/// [`look_on_stage`](crate::work::look_on_stage) puts it there. Pictures around the stage, and a shape's own colors, stay.
+/// [`look_on_stage`](crate::work::look_on_stage) puts it there. Pictures around the stage, a shape's own colors and what is
+/// left out stay.
 pub fn seen(instrument: &Instrument, of_show: Looks) -> Looks {
     let Some(look) = instrument.look().filter(|look| Look::named(look).is_some()) else { return of_show };
-    let Looks { picture, panorama, palette, .. } = of_show;
+    let Looks { picture, panorama, palette, without, .. } = of_show;
     let palette = if palette == OWN_COLORS { palette } else { String::new() };
-    Looks { look: look.to_owned(), palette, picture, panorama, ..Looks::default() }
+    Looks { look: look.to_owned(), palette, picture, panorama, without, ..Looks::default() }
 }
 
 /// Draws the drawer.
@@ -41,8 +42,9 @@ pub fn show(
     part(ui, "light", &mut preferences.lights, Lights::PRESETS.map(|preset| preset.0));
     part(ui, "background", &mut preferences.background, Background::PRESETS.map(|preset| preset.0));
     palette(ui, &mut preferences.palette, has_own_colors);
-    let own = Look::named(&preferences.look).unwrap_or(Look::PLAIN).finish.blur;
-    blur(ui, &mut preferences.blur_percent, own);
+    let own = Look::named(&preferences.look).unwrap_or(Look::PLAIN).finish;
+    blur(ui, &mut preferences.blur_percent, own.blur);
+    effects(ui, &mut preferences.without, own);
     let tip = "A picture of your own (PNG or JPEG) behind all, in the place of the background, or a film (through ffmpeg)";
     if file(ui, ("Picture", tip), &mut preferences.picture) {
         wishes.push(Wish::Choose(Then::Picture));
@@ -197,6 +199,32 @@ fn blur(ui: &mut Ui, chosen: &mut Option<u8>, own: f32) {
     ui.add_space(theme::GAP);
 }
 
+/// The effects of the look's finish, each of which can be left out of all looks.
+fn effects(ui: &mut Ui, left_out: &mut Vec<String>, own: Finish) {
+    ui.label(RichText::new("Effects").strong());
+    theme::group(ui, "Effects", |ui| {
+        for (name, effect) in Effect::NAMED {
+            let (label, tip) = match effect {
+                Effect::Trails => ("Trails", "Light stays visible for a while"),
+                Effect::Glow => ("Glow", "Light spreads from bright places"),
+                Effect::Corners => ("Dark corners", "The picture is darker towards its corners"),
+                Effect::Grain => ("Grain", "Each pixel differs by chance, as on film"),
+            };
+            let mut shown = own.has(effect) && !left_out.iter().any(|known| known == name);
+            let check = ui.add_enabled_ui(own.has(effect), |ui| theme::checkbox(ui, &mut shown, label)).inner;
+            let check = check.on_hover_text(format!("{tip}. What is off is left out of all looks."));
+            let check = check.on_disabled_hover_text("This look has none");
+            if check.author_id(format!("effect/{name}")).changed() {
+                left_out.retain(|known| known != name);
+                if !shown {
+                    left_out.push(name.to_owned());
+                }
+            }
+        }
+    });
+    ui.add_space(theme::GAP);
+}
+
 /// A part of the look: no name is the look's own.
 fn part<const N: usize>(ui: &mut Ui, id: &str, chosen: &mut String, names: [&str; N]) {
     let all: Vec<&str> = [""].into_iter().chain(names).collect();
@@ -232,6 +260,7 @@ mod tests {
             look: "aurora".into(),
             material: "clay".into(),
             picture: "wall.png".into(),
+            without: vec!["grain".into()],
             ..Looks::default()
         };
         assert_eq!(seen(&instrument, of_show.clone()), of_show);
@@ -239,7 +268,7 @@ mod tests {
             instrument.apply(Moment::default(), Action::SetLook { look: look.into() }).unwrap();
         };
         put_on(&mut instrument, "ember");
-        let ember = Looks { look: "ember".into(), picture: "wall.png".into(), ..Looks::default() };
+        let ember = Looks { look: "ember".into(), material: String::new(), ..of_show.clone() };
         assert_eq!(seen(&instrument, of_show.clone()), ember);
         // One of a later version is not seen.
         put_on(&mut instrument, "no such look");

@@ -38,6 +38,8 @@ pub struct Preferences {
     pub panorama: String,
     /// Depth of field: softness out of focus; `None` is the look's own.
     pub blur_percent: Option<u8>,
+    /// Effects that are left out of any look, by their names.
+    pub without: Vec<String>,
     /// Where the stage appears.
     pub screen: Screen,
     /// The stage has a window of its own, and the gallery goes on in the first.
@@ -176,7 +178,7 @@ impl CameraSize {
 
 impl Default for Preferences {
     fn default() -> Self {
-        let Looks { look, palette, material, lights, background, picture, panorama, blur_percent } =
+        let Looks { look, palette, material, lights, background, picture, panorama, blur_percent, without } =
             first_looks();
         Self {
             look,
@@ -187,6 +189,7 @@ impl Default for Preferences {
             picture,
             panorama,
             blur_percent,
+            without,
             screen: Screen::default(),
             own_window: false,
             camera: Camera::default(),
@@ -242,24 +245,25 @@ impl Preferences {
         let [look, palette, material, lights, background] =
             [&self.look, &self.palette, &self.material, &self.lights, &self.background].map(String::clone);
         let [picture, panorama] = [&self.picture, &self.panorama].map(String::clone);
-        let blur_percent = self.blur_percent;
-        Looks { look, palette, material, lights, background, picture, panorama, blur_percent }
+        let (blur_percent, without) = (self.blur_percent, self.without.clone());
+        Looks { look, palette, material, lights, background, picture, panorama, blur_percent, without }
     }
 
     /// Looks like a show.
     pub fn look_like(&mut self, looks: &Looks) {
-        let Looks { look, palette, material, lights, background, picture, panorama, blur_percent } =
+        let Looks { look, palette, material, lights, background, picture, panorama, blur_percent, without } =
             looks.clone();
         (self.look, self.palette, self.material) = (look, palette, material);
         (self.lights, self.background) = (lights, background);
-        (self.picture, self.panorama, self.blur_percent) = (picture, panorama, blur_percent);
+        (self.picture, self.panorama) = (picture, panorama);
+        (self.blur_percent, self.without) = (blur_percent, without);
     }
 
     /// Chooses a look by its name. It is a whole: parts that were chosen for another one go. Pictures around the stage are
-    /// the user's own, and stay.
+    /// the user's own, as are the effects that are left out, and both stay.
     pub fn put_on(&mut self, look: String) {
-        let [picture, panorama] = [&self.picture, &self.panorama].map(String::clone);
-        self.look_like(&Looks { look, picture, panorama, ..Looks::default() });
+        let Looks { picture, panorama, without, .. } = self.looks();
+        self.look_like(&Looks { look, picture, panorama, without, ..Looks::default() });
     }
 
     /// The look that those names describe.
@@ -273,13 +277,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn another_look_drops_parts_and_keeps_pictures() {
-        let pictured =
-            Preferences { picture: "wall.png".into(), panorama: "sky.hdr".into(), ..Preferences::default() };
+    fn another_look_drops_parts_and_keeps_pictures_and_what_is_left_out() {
+        let pictured = Preferences {
+            picture: "wall.png".into(),
+            panorama: "sky.hdr".into(),
+            without: vec!["grain".into()],
+            ..Preferences::default()
+        };
         let mut preferences =
             Preferences { material: "gold".into(), blur_percent: Some(40), ..pictured.clone() };
         preferences.put_on("ember".into());
         assert_eq!(preferences, Preferences { look: "ember".into(), ..pictured });
+        let kept: Preferences = toml::from_str(&toml::to_string(&preferences).unwrap()).unwrap();
+        assert_eq!(kept, preferences);
     }
 
     #[test]

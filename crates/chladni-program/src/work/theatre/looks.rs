@@ -1,7 +1,7 @@
 //! Looks by their names, as shows keep them.
 
 use chladni_music::{Action, Instrument, Looks, Show};
-use chladni_view::{Answer, Background, Lights, Look, Material, Palette};
+use chladni_view::{Answer, Background, Effect, Lights, Look, Material, Palette};
 
 /// The default look.
 pub fn first_looks() -> Looks {
@@ -12,10 +12,10 @@ pub fn first_looks() -> Looks {
 pub const OWN_COLORS: &str = "own";
 
 /// The look of the dance on stage in place of the show's, as far as this version knows it. Shapes that show their own
-/// colors keep them.
+/// colors keep them, and effects that are left out stay so.
 pub fn look_on_stage(instrument: &Instrument, of_show: Look) -> Look {
     let staged = instrument.look().and_then(Look::named);
-    staged.map_or(of_show, |look| Look { own_colors: of_show.own_colors, ..look })
+    staged.map_or(of_show, |look| look.in_place_of(&of_show))
 }
 
 /// Warnings when a show is opened: that it is old, or names looks, or parts of them, which this version does not
@@ -72,6 +72,11 @@ pub fn look_named(looks: &Looks) -> (Look, Vec<String>) {
     if let Some(percent) = looks.blur_percent {
         look.finish.blur = blur(percent);
     }
+    for name in &looks.without {
+        let effect = Effect::named(name);
+        found(name, effect.is_some());
+        look.finish = effect.map_or(look.finish, |effect| look.finish.without(effect));
+    }
     (look, missing)
 }
 
@@ -82,6 +87,7 @@ pub fn blur(percent: u8) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use chladni_music::{GalleryShape, Moment};
     use chladni_view::Finish;
 
     use super::*;
@@ -106,11 +112,27 @@ mod tests {
         assert_eq!(missing, ["candle"]);
         let soft = Looks { look: "ember".into(), blur_percent: Some(60), ..Looks::default() };
         assert_eq!(look_named(&soft).0.finish, Finish { blur: 0.6, ..Look::EMBER.finish });
+        let without = ["trails", "grain", "sparkle"].map(str::to_owned).to_vec();
+        let calm = Looks { look: "ember".into(), without, ..Looks::default() };
+        let finish = Look::EMBER.finish.without(Effect::Trails).without(Effect::Grain);
+        assert_eq!(look_named(&calm), (Look { finish, ..Look::EMBER }, vec!["sparkle".to_owned()]));
+        assert!(Look::EMBER.finish.has(Effect::Trails) && !finish.has(Effect::Trails));
         let gold = Looks { look: "ember".into(), palette: "gold".into(), ..Looks::default() };
         assert_eq!(look_named(&gold).0.answer.map(|answer| answer.palette), Some(Palette::Gold));
         let own = Looks { look: "ember".into(), palette: OWN_COLORS.into(), ..Looks::default() };
         assert_eq!(look_named(&own), (Look { own_colors: true, ..Look::EMBER }, vec![]));
         assert!(Palette::named(OWN_COLORS).is_none());
         assert_eq!(look_named(&names(["dawn", "", "", ""])), (Look::PLAIN, vec!["dawn".to_owned()]));
+    }
+
+    #[test]
+    fn a_look_that_comes_on_stage_lacks_what_is_left_out() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        instrument.apply(Moment::default(), Action::SetLook { look: "ember".into() }).unwrap();
+        let without = vec!["trails".to_owned()];
+        let (of_show, _) = look_named(&Looks { look: "aurora".into(), without, ..Looks::default() });
+        let finish = Look::EMBER.finish.without(Effect::Trails);
+        assert_eq!(look_on_stage(&instrument, of_show), Look { finish, ..Look::EMBER });
     }
 }
