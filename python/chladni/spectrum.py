@@ -102,9 +102,9 @@ def eigsh(
     M : (n, n) sparse or dense matrix, optional
         Symmetric and positive definite, diagonal or not; the identity where it is left out.
     sigma, which, mode
-        What asks for the smallest: ``sigma`` at or below 0 (or so little above that the k nearest are the k smallest)
-        with ``which="LM"``, any with k = n, or ``which`` "SM" or "SA" without a sigma; anything else is refused. Where sigma lies
-        does not matter: the solver chooses its own shifts.
+        What asks for the smallest: ``sigma`` at or below 0 with ``which`` "LM" or "LA"; a sigma so little above 0 that the
+        k nearest are the k smallest, or any with k = n, with "LM"; or "SM" or "SA" without a sigma. Anything else is refused.
+        Where sigma lies does not matter: the solver chooses its own shifts.
     tol : float
         0 for any, else the relative residual to be content with: ‖A x − λ M x‖ / ‖A x‖ of each pair with λ above 0. It is
         never the reason to stop; pairs that exceed it are refused.
@@ -130,10 +130,14 @@ def eigsh(
         raise InputError(f"mode is {mode!r}: only 'normal' is solved")
     if not (sigma is None or isinstance(sigma, Real)):
         raise InputError(f"sigma is {sigma!r}, where a number is needed")
-    smallest = which in ("SM", "SA") if sigma is None else which == "LM"
+    if sigma is None:
+        smallest, asked, hint = which in ("SM", "SA"), "", "write sigma=0, or which='SM'"
+    else:
+        # The largest 1 / (λ - sigma) are of the smallest λ, where none is below sigma.
+        smallest = which == "LM" or (which == "LA" and sigma <= 0)
+        asked, hint = f" with sigma={sigma!r}", "write which='LM' with it, or leave sigma out and write which='SM'"
     if not smallest:
-        asked = f"which={which!r}" + ("" if sigma is None else f" with sigma={sigma!r}")
-        raise InputError(f"{asked} asks for other pairs than the smallest: write sigma=0, or which='SM'")
+        raise InputError(f"which={which!r}{asked} asks for other pairs than the smallest: {hint}")
     tol = number(tol, "tol")
     a, m = _columns(A, "A"), None if M is None else _columns(M, "M")
     w, v, certificate = _chladni.eigsh(a, m, k, threads, progress)

@@ -86,7 +86,8 @@ def test_what_is_not_asked_of_this_solver_is_refused(ball, elements):
     identity = scipy.sparse.identity(S.shape[0])
     refused = [
         (dict(), "asks for other pairs"),
-        (dict(sigma=0, which="SM"), "asks for other pairs"),
+        (dict(sigma=0, which="SM"), "asks for other pairs.*which='LM' with it"),
+        (dict(sigma=1e-8, which="LA"), "asks for other pairs"),
         (dict(which="BE"), "asks for other pairs"),
         (dict(sigma=0, mode="buckling"), "buckling"),
         (dict(sigma=11.0), "lies among the eigenvalues"),
@@ -117,6 +118,8 @@ def test_what_is_not_asked_of_this_solver_is_refused(ball, elements):
     # A sigma as small as rounding is at the smallest; one far below, too.
     for sigma in (1e-8, -100):
         assert chladni.eigsh(S, 12, M, sigma=sigma)[0][0] == 0
+    for sigma in (0, -1):
+        assert chladni.eigsh(S, 12, M, sigma=sigma, which="LA")[0][0] == 0
     with pytest.raises(chladni.NotCertifiedError, match="tol"):
         chladni.eigsh(S, 12, M, sigma=0, tol=1e-300)
     assert chladni.eigsh(S, 12, M, sigma=0, tol=1e-9)[0][0] == 0

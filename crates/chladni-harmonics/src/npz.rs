@@ -255,24 +255,25 @@ pub fn write_operator(path: &Path, operator: &Operator, task: &Task) -> Result<(
 }
 
 /// The size of the largest array that is read, in bytes, after decompression.
-const MOST_BYTES: u64 = 1 << 30;
+pub const MOST_BYTES: u64 = 1 << 30;
 
-/// The numbers of an array, in the order of the file: of the `.npy` file at `path`, or of the array `name`
-/// of the `.npz` archive there. Truth values become 0 and 1. There may be up to `most` numbers: a compressed
+/// The names of the arrays in a `.npz` archive; none where `bytes` are no archive.
+pub fn array_names(bytes: &[u8]) -> Vec<String> {
+    if !bytes.starts_with(b"PK") {
+        return Vec::new();
+    }
+    let Ok(archive) = ZipArchive::new(Cursor::new(bytes)) else { return Vec::new() };
+    archive.file_names().flatten().filter_map(|name| name.strip_suffix(".npy").map(str::to_owned)).collect()
+}
+
+/// The numbers of an array, in the order of the file, whose `bytes` these are: of a `.npy` file, or of the array `name`
+/// of an `.npz` archive. Truth values become 0 and 1. There may be up to `most` numbers: a compressed
 /// archive may hold a thousand for each of its bytes. Integers of 8 to 64 bits and floats of 32 and 64 are read;
 /// floats of other sizes, such as 16 bits, and complex numbers are not.
 ///
 /// # Errors
-/// An error of the system; a file that is neither, or has no array of that name; an array that does not
-/// hold such numbers, holds more than `most`, or is larger than 1 GiB.
-pub fn read_numbers(path: &Path, name: &str, most: usize) -> Result<Vec<f64>> {
-    numbers_in(&chladni_task::read_file(path, MOST_BYTES)?, name, most)
-}
-
-/// Like [`read_numbers`], but from the bytes of the file.
-///
-/// # Errors
-/// Those of [`read_numbers`].
+/// A file that is neither, or has no array of that name; an array that does not hold such numbers, holds more than `most`,
+/// or is larger than 1 GiB.
 pub fn numbers_in(bytes: &[u8], name: &str, most: usize) -> Result<Vec<f64>> {
     if !bytes.starts_with(b"PK") {
         return numbers_of(bytes, most);
@@ -456,14 +457,13 @@ mod tests {
             npz.array("part", &[2], [-1i64, 7])
         })
         .unwrap();
-        assert_eq!(read_numbers(&path, "mask", 9).unwrap(), [0.0, 0.25, 1.0]);
-        assert_eq!(read_numbers(&path, "part", 9).unwrap(), [-1.0, 7.0]);
-        assert!(read_numbers(&path, "none", 9).unwrap_err().to_string().contains("no array \"none\""));
-        let read = |bytes: &[u8]| {
-            let path = folder.path().join("x.npy");
-            std::fs::write(&path, bytes).unwrap();
-            read_numbers(&path, "", 9)
-        };
+        let archive = std::fs::read(&path).unwrap();
+        assert_eq!(array_names(&archive), ["mask", "part"]);
+        assert_eq!(numbers_in(&archive, "mask", 9).unwrap(), [0.0, 0.25, 1.0]);
+        assert_eq!(numbers_in(&archive, "part", 9).unwrap(), [-1.0, 7.0]);
+        assert!(numbers_in(&archive, "none", 9).unwrap_err().to_string().contains("no array \"none\""));
+        assert!(array_names(&archive[1..]).is_empty() && array_names(b"PK").is_empty());
+        let read = |bytes: &[u8]| numbers_in(bytes, "", 9);
         assert_eq!(read(&npy("|b1", 3, &[1, 0, 1])).unwrap(), [1.0, 0.0, 1.0]);
         assert_eq!(read(&npy("<f8", 1, &2.5f64.to_le_bytes())).unwrap(), [2.5]);
         assert_eq!(read(&npy("<i2", 1, &(-3_i16).to_le_bytes())).unwrap(), [-3.0]);

@@ -93,6 +93,21 @@ fn the_first_of_several_textures_of_a_ply_is_taken_and_said() {
 }
 
 #[test]
+fn texture_coordinates_beyond_32_bits_are_left_out() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nvt 1e39 0\nvt 1 -1e39\nf 1/1 2/2 3/3\n";
+    let header = "element vertex 3\nproperty double x\nproperty double y\nproperty double z\nproperty double s\n\
+         property double t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    let ply = format!("ply\nformat ascii 1.0\n{header}0 0 0 0 1\n1 0 0 1e39 0\n0 1 0 1 -1e39\n3 0 1 2\n");
+    for (format, text) in [(Format::Obj, obj), (Format::Ply, &ply)] {
+        let loaded = read_mesh(text.as_bytes(), format).unwrap();
+        assert_eq!(loaded.mended, [chladni_mesh::Mended::Uvs(2)], "{format}");
+        assert!(write_mesh(&loaded.mesh, Format::Glb).is_ok(), "{format}");
+    }
+    let off = "STOFF\n3 1 0\n0 0 0 0 1\n1 0 0 1e39 0\n0 1 0 1 1\n3 0 1 2\n";
+    assert_eq!(read_mesh(off.as_bytes(), Format::Off).unwrap().mended, [chladni_mesh::Mended::Uvs(3)]);
+}
+
+#[test]
 fn a_face_that_crosses_itself_is_said() {
     let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 3 2 4\nf 1 2 3 4\n";
     let loaded = read_mesh(obj.as_bytes(), Format::Obj).unwrap();

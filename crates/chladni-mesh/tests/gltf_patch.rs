@@ -221,6 +221,22 @@ fn everything_stays_and_the_sliders_move_each_copy_as_asked() {
 }
 
 #[test]
+fn sliders_of_one_name_are_numbered_beside_those_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rigged.glb");
+    let (root, data) = rigged();
+    std::fs::write(&path, glb(&root, &data)).unwrap();
+    let mesh = load_mesh(&path).unwrap().mesh;
+    let still = vec![[0.0; 3]; mesh.positions.len()];
+    let named = |name: &str| MorphTarget { name: name.into(), displacements: still.clone() };
+    let wanted = ["Smile", "nose", "nose", "nose 2"].map(named);
+    let now = parsed(&add_morph_targets(&path, &mesh, &wanted).unwrap());
+    let names = |mesh: usize| &now.0["meshes"][mesh]["extras"]["targetNames"];
+    assert_eq!(*names(0), json!(["Smile", "Smile 2", "nose", "nose 3", "nose 2"]));
+    assert_eq!(*names(1), json!(["target_0", "Smile", "nose", "nose 3", "nose 2"]));
+}
+
+#[test]
 fn joints_place_a_skinned_mesh_and_a_pose_is_left_out_with_a_warning() {
     let (root, data) = rigged();
     let read = |root: &Value| read_mesh(&glb(root, &data), Format::Glb);

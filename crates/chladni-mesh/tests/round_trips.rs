@@ -254,8 +254,20 @@ fn a_sliders_glb_reads_as_the_shape_at_rest() {
     assert_eq!(loaded.mesh.triangles, mesh.triangles);
     let json = String::from_utf8_lossy(&bytes);
     assert!(json.contains(r#""targetNames":["longer nose","b"]"#) && json.contains(r#""weights":[0.0,0.0]"#));
+    let both = write_glb(&mesh, &[target.clone(), target]).unwrap();
+    let json = String::from_utf8_lossy(&both);
+    assert!(json.contains(r#""targetNames":["longer nose","longer nose 2"]"#), "names are distinct");
     let short = MorphTarget { name: "short".into(), displacements: vec![[0.0; 3]] };
     assert!(write_glb(&mesh, &[short]).unwrap_err().to_string().contains("short"));
+}
+
+#[test]
+fn a_texture_coordinate_beyond_32_bits_is_no_glb() {
+    let mut mesh = samples::icosphere(0);
+    let corners = vec![0; 3 * mesh.triangles.len()];
+    mesh.appearance.uvs = Some(CornerUvs { points: vec![[0.0, 1e39]], corners });
+    let refused = write_glb(&mesh, &[]).unwrap_err().to_string();
+    assert!(refused.contains("texture coordinate"), "{refused}");
 }
 
 #[test]

@@ -205,6 +205,35 @@ fn an_mp4_has_its_frames_its_rate_and_its_sound() {
 }
 
 #[test]
+fn the_sound_of_an_mp4_ends_with_its_pictures() {
+    if !ffmpeg_is_there() {
+        eprintln!("skipped: no ffmpeg");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (path, audio) = (folder.path().join("clip.mp4"), folder.path().join("sound.wav"));
+    std::fs::write(&audio, wav()).unwrap();
+    for (fps, frames) in [(240.0, 24), (12.5, 10)] {
+        let rate = FrameRate::decimal(fps);
+        write(&path, FilmSettings { audio: Some(audio.clone()), rate, ..settings(frames, 1) }).unwrap();
+        let output = Command::new("ffprobe")
+            .args(["-v", "error", "-of", "csv=p=0", "-show_entries", "stream=duration"])
+            .arg(&path)
+            .output();
+        let Ok(output) = output else {
+            eprintln!("skipped: no ffprobe");
+            return;
+        };
+        let text = String::from_utf8(output.stdout).unwrap();
+        let lengths: Vec<f64> = text.split_whitespace().map(|secs| secs.parse().unwrap()).collect();
+        assert_eq!(lengths.len(), 2, "{text}");
+        for length in lengths {
+            assert!((length - frames as f64 / fps).abs() < 1e-3, "{fps} pictures a second: {text}");
+        }
+    }
+}
+
+#[test]
 fn what_ffmpeg_cannot_do_is_an_error_with_its_words_and_leaves_nothing() {
     if !ffmpeg_is_there() {
         eprintln!("skipped: no ffmpeg");

@@ -23,6 +23,11 @@ pub(crate) fn coordinate(x: f64, at: impl FnOnce(String) -> Fault) -> Result<f64
     }))
 }
 
+/// Whether texture coordinates are some that every format holds: GLB has them as `f32`.
+pub(crate) fn is_texture_point(uv: [f64; 2]) -> bool {
+    uv.iter().all(|x| x.abs() <= f64::from(f32::MAX))
+}
+
 /// Checks one vertex index against the number of vertices.
 pub(crate) fn vertex_index(
     index: i64,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::beside::{Beside, plain_uri};
-use super::draft::{Draft, coordinate, vertex_index};
+use super::draft::{Draft, coordinate, is_texture_point, vertex_index};
 use super::gltf_buffers::Buffers;
 use super::gltf_chunks::{gltf_format, json_and_binary};
 use super::gltf_json::{Accessor, Primitive, Root, TextureInfo};
@@ -110,8 +110,8 @@ pub(crate) fn read_placed(
         }
     }
     // Only now, so that a point that primitives share is unusable for each of them.
-    for point in &mut draft.uvs {
-        *point = point.map(|x| if x.is_finite() { x } else { 0.0 });
+    for point in draft.uvs.iter_mut().filter(|point| !is_texture_point(**point)) {
+        *point = [0.0; 2];
     }
     let mut loaded = draft.finish(format)?;
     loaded.stored_positions = stored;
@@ -399,7 +399,7 @@ impl Scene<'_> {
         for corner in first_corner..draft.corners.len() {
             let point = points.start + (draft.corners[corner] - vertices.start) as usize;
             let uv = match draft.uvs.get(point).filter(|_| point < points.end) {
-                Some(p) if p.iter().all(|x| x.is_finite()) => point as u32,
+                Some(p) if is_texture_point(*p) => point as u32,
                 Some(_) => {
                     bad += 1;
                     CornerUvs::NONE

@@ -1,7 +1,7 @@
 //! Wavefront OBJ.
 
 use super::beside::Beside;
-use super::draft::{Draft, coordinate, full_channel, vertex_index};
+use super::draft::{Draft, coordinate, full_channel, is_texture_point, vertex_index};
 use super::mtl;
 use super::text::{Lines, number, text_after, words};
 use crate::CornerUvs;
@@ -135,13 +135,13 @@ impl Obj {
                 let Some(vt) = vt else { continue };
                 let point = usize::try_from(vt).ok().and_then(|vt| draft.uvs.get(vt));
                 match point {
-                    Some(p) if p.iter().all(|x| x.is_finite()) => draft.corner_uvs[corner] = vt as u32,
+                    Some(p) if is_texture_point(*p) => draft.corner_uvs[corner] = vt as u32,
                     _ => bad_uvs += 1,
                 }
             }
         }
-        for point in &mut draft.uvs {
-            *point = point.map(|x| if x.is_finite() { x } else { 0.0 });
+        for point in draft.uvs.iter_mut().filter(|point| !is_texture_point(**point)) {
+            *point = [0.0; 2];
         }
         if bad_uvs > 0 {
             draft.mended.push(Mended::Uvs(bad_uvs));

@@ -1,6 +1,6 @@
 //! Geomview OFF, ascii and binary.
 
-use super::draft::{Draft, coordinate, full_channel, vertex_index};
+use super::draft::{Draft, coordinate, full_channel, is_texture_point, vertex_index};
 use super::text::{Lines, number, quoted, words};
 use crate::CornerUvs;
 use crate::error::Fault;
@@ -75,7 +75,7 @@ fn read_ascii(after: &[u8], mut lines: Lines<'_>, vertex: OffVertex) -> Result<D
         }
     }
     let has_uvs =
-        vertex.texture && draft.uvs.len() == vertices && draft.uvs.iter().flatten().all(|x| x.is_finite());
+        vertex.texture && draft.uvs.len() == vertices && draft.uvs.iter().all(|uv| is_texture_point(*uv));
     if vertex.texture && !has_uvs {
         draft.mended.push(Mended::Uvs(vertices));
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::beside::Beside;
-use super::draft::{Draft, coordinate, full_channel, vertex_index};
+use super::draft::{Draft, coordinate, full_channel, is_texture_point, vertex_index};
 use super::mtl::checked_picture;
 use super::ply_header::{Element, Encoding, Header, Property, Scalar};
 use super::text::Words;
@@ -33,7 +33,7 @@ pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {
         }
     }
     let mut draft = ply.draft;
-    for point in draft.uvs.iter_mut().filter(|point| !is_point(**point)) {
+    for point in draft.uvs.iter_mut().filter(|point| !is_texture_point(**point)) {
         *point = [0.0; 2];
     }
     if ply.bad_uvs > 0 {
@@ -287,11 +287,11 @@ impl Ply<'_> {
             for corner in 0..corners {
                 let v = self.draft.corners[start + corner];
                 let uv = match uvs.get(2 * corner..2 * corner + 2) {
-                    Some(&[u, v]) if u.is_finite() && v.is_finite() => {
+                    Some(&[u, v]) if is_texture_point([u, v]) => {
                         self.draft.uvs.push([u, v]);
                         self.draft.uvs.len() as u32 - 1
                     }
-                    None if (v as usize) < vertex_uvs && is_point(self.draft.uvs[v as usize]) => v,
+                    None if (v as usize) < vertex_uvs && is_texture_point(self.draft.uvs[v as usize]) => v,
                     None if uvs.is_empty() => CornerUvs::NONE,
                     _ => {
                         self.bad_uvs += 1;
@@ -329,7 +329,7 @@ impl Ply<'_> {
         for corner in self.draft.corner_uvs.len()..self.draft.corners.len() {
             let v = self.draft.corners[corner];
             let uv = match has_uvs {
-                true if is_point(self.draft.uvs[v as usize]) => v,
+                true if is_texture_point(self.draft.uvs[v as usize]) => v,
                 true => {
                     self.bad_uvs += 1;
                     CornerUvs::NONE
@@ -355,9 +355,4 @@ impl Ply<'_> {
     fn end_row(&mut self) {
         self.long_rows += usize::from(self.source.end_row());
     }
-}
-
-/// Whether texture coordinates are some.
-fn is_point(uv: [f64; 2]) -> bool {
-    uv.iter().all(|x| x.is_finite())
 }

@@ -1,6 +1,6 @@
 //! glTF 2.0 in one binary file, with morph targets.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use chladni_task::Task;
 use serde_json::{Value, json};
@@ -14,7 +14,7 @@ use crate::{AlphaMode, CornerUvs, Format, Material, MeshError, TriMesh};
 /// A named deformation that viewers offer as a slider from 0 (rest) to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MorphTarget {
-    /// Name of the slider.
+    /// Name of the slider. A number is added to it where another slider of the mesh has it.
     pub name: String,
     /// Displacement of each of the mesh's n vertices at 1, in file units.
     pub displacements: Vec<[f64; 3]>,
@@ -41,7 +41,7 @@ const FORMAT: Format = Format::Glb;
 /// where textures are seen alone.
 ///
 /// # Errors
-/// [`MeshError::Unwritable`] where coordinates do not fit `f32`, a target has not n
+/// [`MeshError::Unwritable`] where coordinates, also those of textures, do not fit `f32`, a target has not n
 /// displacements, the mesh's parts do not belong together, or the file would pass 4 GiB or 2^24 vertices.
 pub fn write_glb(mesh: &TriMesh, targets: &[MorphTarget]) -> Result<Vec<u8>, MeshError> {
     write(mesh, targets, None, &Task::new())
@@ -127,8 +127,7 @@ fn write(
     let mut gltf_mesh = json!({ "primitives": primitives });
     if !targets.is_empty() {
         gltf_mesh["weights"] = json!(vec![0.0; targets.len()]);
-        let names: Vec<&str> = targets.iter().map(|target| target.name.as_str()).collect();
-        gltf_mesh["extras"] = json!({ "targetNames": names });
+        gltf_mesh["extras"] = json!({ "targetNames": distinct_names([], targets) });
     }
     let animations = animation.map(|animation| file.animation(animation));
     let mut node = json!({ "mesh": 0 });
@@ -155,6 +154,26 @@ fn write(
         root["images"] = json!(std::mem::take(&mut file.images));
     }
     container(&root, file.data)
+}
+
+/// The names of `targets`, with numbers added where they agree with each other or with those that are `taken`: many programs
+/// find a slider by its name.
+pub(super) fn distinct_names<'a>(
+    taken: impl IntoIterator<Item = &'a str>,
+    targets: &[MorphTarget],
+) -> Vec<String> {
+    let wanted: HashSet<&str> = targets.iter().map(|target| target.name.as_str()).collect();
+    let mut found: HashSet<String> = taken.into_iter().map(str::to_owned).collect();
+    let distinct = |target: &MorphTarget| {
+        let (mut name, mut number) = (target.name.clone(), 1);
+        while found.contains(&name) || (number > 1 && wanted.contains(name.as_str())) {
+            number += 1;
+            name = format!("{} {number}", target.name);
+        }
+        found.insert(name.clone());
+        name
+    };
+    targets.iter().map(distinct).collect()
 }
 
 fn too_large() -> MeshError {
@@ -239,6 +258,10 @@ fn vertex_data(
         entries.vertices.iter().map(|&v| narrowed(sub(values[v as usize], origin), FORMAT)).collect()
     };
     let narrow = |values: &[Vec3]| from([0.0; 3], values);
+    if !entries.uvs.as_flattened().iter().all(|x| x.is_finite()) {
+        let reason = "a texture coordinate is too large for 32 bits, or not a number".into();
+        return Err(MeshError::Unwritable { format: FORMAT, reason });
+    }
     let place = places(&mesh.positions);
     let triangles = seamless_triangles(mesh, &place);
     let normals = smooth_normals(&place, &mesh.positions, &triangles);

@@ -7,7 +7,7 @@ use chladni_task::read_file;
 use serde_json::{Value, json};
 
 use self::turning::{Local, Shape, turned_along};
-use super::glb::{Glb, container};
+use super::glb::{Glb, container, distinct_names};
 use super::{MorphTarget, narrowed};
 use crate::read::gltf::{Placed, read_placed};
 use crate::read::gltf_buffers::Buffers;
@@ -307,7 +307,8 @@ impl Patch<'_> {
         let names = list(&mut mesh["extras"], "targetNames");
         names.truncate(before);
         (names.len()..before).for_each(|i| names.push(json!(format!("target_{i}"))));
-        names.extend(self.targets.iter().map(|target| json!(target.name)));
+        let own = distinct_names(names.iter().filter_map(Value::as_str), self.targets);
+        names.extend(own.into_iter().map(Value::from));
     }
 
     /// Animations of the weights of `nodes` hold the new targets at 0; the value of each is its count of targets before.

@@ -45,7 +45,7 @@ pub struct MatchShapes {
     #[arg(long, default_value_t = MatchSettings::default().seed)]
     seed: u64,
     /// Write the correspondence here (NumPy archive: point, confidence, similarity and, on
-    /// template meshes, triangle and barycentric).
+    /// template meshes, triangle and barycentric, all described in docs/match.md).
     #[arg(short, long, value_name = "M.npz")]
     output: Option<PathBuf>,
     /// Print the quality report as JSON.

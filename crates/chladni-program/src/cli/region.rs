@@ -37,7 +37,7 @@ pub struct RegionOptions {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["region", "part", "limb", "curved"])]
     mask: Option<PathBuf>,
     /// Which numbers --mask takes: the array of an .npz, an attribute of a PLY, or red, green, blue or alpha of vertex
-    /// colors [default: mask; of a mesh that has none, red].
+    /// colors [default: mask; of a mesh that has none, red; else the only one of the file].
     #[arg(long, value_name = "NAME", requires = "mask")]
     mask_channel: Option<String>,
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use chladni_caricature::Painted;
-use chladni_harmonics::npz::{npy_of, npz_of, numbers_in, read_numbers};
+use chladni_harmonics::npz::{MOST_BYTES, array_names, npy_of, npz_of, numbers_in};
 use chladni_mesh::surface::places;
 use chladni_mesh::{
     Attribute, Format, Loaded, Mended, ShapeSource, TriMesh, nothing_beside, read_named_mesh, save_mesh,
@@ -36,7 +36,8 @@ fn refused(path: &Path, why: impl std::fmt::Display) -> Error {
 }
 
 /// χ01 from the file at `path`, for a shape: of an array, of the array `channel` of an archive, or of the attribute or
-/// color channel `channel` of a mesh with as many vertices. Without a name it is `mask`, or, of a mesh that has none, red.
+/// color channel `channel` of a mesh with as many vertices. Without a name it is `mask`, or, of a mesh that has none, red;
+/// where there is neither, the only one of the file.
 ///
 /// # Errors
 /// [`Error::Input`] where that is not there, has another number of values, or one outside [0, 1].
@@ -47,7 +48,11 @@ pub fn read(path: &Path, channel: Option<&str>, subject: &Subject) -> Result<Pai
         None if channel.is_some() && ends_in(path, &["npy"]) => {
             return Err(refused(path, "is one array: --mask-channel is for an .npz or a mesh"));
         }
-        None => of_array(path, vertices, read_numbers(path, channel.unwrap_or(MASK), vertices))?,
+        None => {
+            let bytes = chladni_task::read_file(path, MOST_BYTES);
+            let bytes = bytes.map_err(|why| unreadable(path, vertices, why))?;
+            of_array(path, &bytes, vertices, channel)?
+        }
     };
     painted(values, subject).map_err(|why| refused(path, why))
 }
@@ -60,7 +65,7 @@ pub fn read_in(name: &Path, bytes: &[u8], subject: &Subject) -> Result<Painted, 
     let vertices = subject.whole().positions.len();
     let values = match Format::of_path(name) {
         Some(format) => of_mesh(name, &read_named_mesh(name, bytes, &nothing_beside)?, format, None)?,
-        None => of_array(name, vertices, numbers_in(bytes, MASK, vertices))?,
+        None => of_array(name, bytes, vertices, None)?,
     };
     painted(values, subject).map_err(|why| refused(name, why))
 }
@@ -72,22 +77,49 @@ fn of_mesh(path: &Path, loaded: &Loaded, format: Format, channel: Option<&str>) 
         _ => None,
     };
     let format = loaded.mended.iter().find_map(misnamed).unwrap_or(format);
-    let usual = || loaded.mesh.channel(MASK, format).or_else(|| loaded.mesh.channel("red", format));
-    let found = channel.map_or_else(usual, |channel| loaded.mesh.channel(channel, format));
-    found.ok_or_else(|| refused(path, no_channel(&loaded.mesh, channel)))
+    let mesh = &loaded.mesh;
+    let known: Vec<&str> = mesh.channels().collect();
+    let found = match (channel, &known[..]) {
+        (Some(channel), _) | (None, &[channel]) => mesh.channel(channel, format),
+        (None, _) => mesh.channel(MASK, format).or_else(|| mesh.channel("red", format)),
+    };
+    found.ok_or_else(|| refused(path, no_channel(mesh, channel)))
 }
 
-fn of_array(path: &Path, vertices: usize, numbers: std::io::Result<Vec<f64>>) -> Result<Vec<f64>, Error> {
-    numbers.map_err(|why| {
-        let mask = format_args!("no mask, a number for each of the {vertices} vertices, can be read from it");
-        refused(path, format_args!("{mask}: {why}"))
+/// An array of a file.
+fn of_array(path: &Path, bytes: &[u8], vertices: usize, channel: Option<&str>) -> Result<Vec<f64>, Error> {
+    let names = array_names(bytes);
+    let name = match (channel, &names[..]) {
+        (Some(channel), _) => channel,
+        (None, [only]) => only.as_str(),
+        (None, _) => MASK,
+    };
+    numbers_in(bytes, name, vertices).map_err(|why| {
+        if names.is_empty() || names.iter().any(|known| known == name) {
+            return unreadable(path, vertices, why);
+        }
+        let known = names.join(", ");
+        unreadable(path, vertices, format_args!("{why}; it has {known}{}", how_to_choose(channel)))
     })
+}
+
+fn unreadable(path: &Path, vertices: usize, why: impl std::fmt::Display) -> Error {
+    let mask = format_args!("no mask, a number for each of the {vertices} vertices, can be read from it");
+    refused(path, format_args!("{mask}: {why}"))
 }
 
 fn no_channel(mesh: &TriMesh, channel: Option<&str>) -> String {
     let known: Vec<&str> = mesh.channels().collect();
-    let known = if known.is_empty() { "nothing".into() } else { known.join(", ") };
-    format!("its vertices have no {}; they have {known}", channel.unwrap_or("mask or color"))
+    let wanted = channel.unwrap_or("mask or color");
+    if known.is_empty() {
+        return format!("its vertices have no {wanted}; they have nothing");
+    }
+    format!("its vertices have no {wanted}; they have {}{}", known.join(", "), how_to_choose(channel))
+}
+
+/// How one of several is chosen, where none was named.
+fn how_to_choose(channel: Option<&str>) -> &'static str {
+    if channel.is_none() { " (on the command line, --mask-channel chooses)" } else { "" }
 }
 
 /// χ01 from a channel of the shape's own, whose file is of this `format`.
@@ -277,6 +309,31 @@ mod tests {
         assert!(why("a.npz", "weight").to_string().contains("no array \"weight\""));
         let odd = write(&folder.path().join("a.stl"), &painted, &mesh, false);
         assert!(odd.unwrap_err().to_string().contains("ends in one of"));
+    }
+
+    #[test]
+    fn the_only_numbers_of_a_file_are_the_mask_and_several_are_named() {
+        let mut mesh = icosphere(1);
+        let ramp: Vec<f64> = (0..mesh.positions.len()).map(|v| f64::from(u8::from(v % 2 == 0))).collect();
+        let subject = Subject::from(mesh.clone());
+        let expected = Painted::of_file(ramp.iter().map(|x| *x as f32), &weld(&mesh).operator_vertex);
+        let attribute = |name: &str| Attribute { name: name.into(), values: ramp.clone() };
+        let ply = |mesh: &TriMesh| write_mesh(mesh, Format::Ply).unwrap();
+        let npz = |names: &[&str]| {
+            let shape = [ramp.len() as u64];
+            npz_of(|npz| names.iter().try_for_each(|name| npz.array(name, &shape, ramp.iter().copied())))
+                .unwrap()
+        };
+        let read = |name: &str, bytes: &[u8]| read_in(Path::new(name), bytes, &subject);
+        mesh.appearance.attributes = vec![attribute("nosey")];
+        assert_eq!(read("a.ply", &ply(&mesh)).unwrap(), expected);
+        assert_eq!(read("a.npz", &npz(&["nosey"])).unwrap(), expected);
+        mesh.appearance.attributes.push(attribute("chin"));
+        for why in [read("a.ply", &ply(&mesh)), read("a.npz", &npz(&["nosey", "chin"]))] {
+            let why = why.unwrap_err().to_string();
+            assert!(why.contains("nosey, chin") && why.contains("--mask-channel"), "{why}");
+        }
+        assert_eq!(read("a.npz", &npz(&["nosey", "mask"])).unwrap(), expected);
     }
 
     #[test]

@@ -58,7 +58,7 @@ fn the_limbs_of_any_shape_are_its_parts_at_a_level() {
     desk.ok(&format!("{line} mask.npz"));
     let masked = load_mesh(&desk.path("masked.ply")).unwrap().mesh.positions;
     assert_eq!(masked, one);
-    assert!(desk.refused(&format!("{line} parts.npz")).contains("no array \"mask\""));
+    assert!(desk.refused(&format!("{line} parts.npz")).contains("a mask lies in [0, 1]"));
     assert!(
         desk.refused("caricature shape.obj ellipsoid -o x.ply --mask mask.npz").contains("a number for each")
     );

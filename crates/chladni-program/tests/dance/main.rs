@@ -160,7 +160,8 @@ fn frames_on_a_pipe_are_those_of_the_film_and_ffmpeg_reads_them() {
             .unwrap();
         let read = folder.path().join(format);
         std::fs::create_dir(&read).unwrap();
-        let colors = ["-vf", "scale=in_color_matrix=bt709:flags=accurate_rnd", "-pix_fmt", "rgba"];
+        // As docs/stage.md has it.
+        let colors = ["-vf", "setparams=colorspace=bt709", "-pix_fmt", "rgba"];
         let ended = Command::new("ffmpeg")
             .args(["-nostdin", "-loglevel", "error"])
             .args(input)

@@ -53,8 +53,9 @@ impl Mp4 {
         command.args(["-i", "pipe:0"]);
         if let Some(audio) = &settings.audio {
             add_input(&mut command, audio, &["wav"]);
-            // Endless silence after the sound, and the video as the shortest: exactly its length.
-            command.args(["-map", "0:v", "-map", "1:a", "-af", "apad", "-shortest"]);
+            // Endless silence after the sound, cut where the pictures end: -shortest would let the sound run on.
+            let length_secs = settings.rate.start_secs(settings.frames);
+            command.args(["-map", "0:v", "-map", "1:a", "-af", "apad", "-t", &format!("{length_secs:.6}")]);
             command.args(["-c:a", "aac", "-b:a", "192k"]);
         }
         // The best H.264 encoder it has. The settings are those of libx264; others leave them aside. Encoding shares the
