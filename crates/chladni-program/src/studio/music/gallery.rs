@@ -41,9 +41,9 @@ pub fn overlay(
         let standing = [(on_stage, "on stage"), (next, "next")];
         let standing = standing.into_iter().find(|(id, _)| *id == Some(item.id)).map(|(_, text)| text);
         let name = standing.map_or_else(|| title.clone(), |standing| format!("{title}, {standing}"));
-        let marks = in_words(instrument.is_favorite(item.id), item.locked);
+        let marked_as = in_words(instrument.is_favorite(item.id), item.locked);
         response.widget_info(|| egui::WidgetInfo {
-            current_text_value: marks.map(str::to_owned),
+            current_text_value: marked_as.map(str::to_owned),
             ..egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &name)
         });
         let response = response.author_id(format!("dance/{}", index + 1));
