@@ -35,12 +35,9 @@ impl Standing {
         let menu = ui.menu_button(label, |ui| {
             ui.label(RichText::new("Up is").color(theme::palette(ui).weak));
             for axis in Axis::ALL {
-                let up = axis.direction();
                 let button = ui.selectable_label(Axis::of(now.up()) == Some(axis), axis.to_string());
                 if button.author_id(format!("stance/{axis}")).clicked() {
-                    // If the front would no longer be level, the former up or down axis becomes the front.
-                    let fronts = [now.front(), now.up()];
-                    self.given = fronts.into_iter().find_map(|front| Orientation::new(up, front));
+                    self.given = Some(now.with_up(axis));
                 }
             }
             ui.separator();
