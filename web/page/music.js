@@ -444,6 +444,7 @@ function refresh() {
   of("song").textContent = of("song").title = songName();
   for (const id of ["previous", "next"]) of(id).hidden = songs.count() < 2 || isLive;
   of("play").textContent = sound.isHeard ? "Pause" : "Play";
+  of("stance-up").value = state.up;
   looks.show(state.looks, state.has_own_colors, state.effects);
   of("gain").value = state.settings.knobs?.gain ?? 1;
   const option = [...of("shape").options].find((option) => option.value === state.body);
@@ -601,6 +602,8 @@ export function listen() {
   films.listen({ ...shared, microphone: listening.microphone, forget: () => { overtake(); player.passOver(); } });
   on("draw", () => { drawing = !drawing; refresh(); });
   on("sweep", () => act({ do: "sweep" }));
+  of("stance-up").addEventListener("change", () => { concert.stand(of("stance-up").value); refresh(); });
+  on("turn-front", () => { concert.turn_front(); refresh(); });
   on("more", () => {
     const isOpen = !document.body.toggleAttribute("data-drawer");
     of("drawer").hidden = isOpen;

@@ -9,10 +9,13 @@ mod knobs;
 mod live;
 mod playing;
 mod stage;
+mod standing;
 mod state;
 
 use std::sync::Arc;
 
+use chladni_harmonics::Body;
+use chladni_mesh::Orientation;
 use chladni_music::{
     Dancer, Ensemble, Framing, GalleryShape, Instrument, Looks, Parameter, Parameters, Reaction, Veil,
     Viewpoint,
@@ -37,6 +40,10 @@ use crate::parcel::Parcel;
 #[wasm_bindgen]
 pub struct Concert {
     name: String,
+    body: Body,
+    /// How the body was found to stand, and what was set in its place.
+    found: Orientation,
+    given: Option<Orientation>,
     hearing: Hearing,
     /// The live input in place of a song.
     live: Option<Live>,
@@ -105,7 +112,10 @@ impl Concert {
             ensemble: Ensemble::new(dancer),
             staging,
             lag: Lag::default(),
-            sand: SandTable::new(body, 0.0),
+            sand: SandTable::new(body.clone(), 0.0),
+            body,
+            found: stands,
+            given: None,
             programme: None,
             script: None,
             recent: Recent::default(),

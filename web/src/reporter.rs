@@ -74,7 +74,10 @@ impl Watcher for Reporter<'_> {
     fn warn(&self, warning: Warning) {
         let text = match warning {
             // The page has no options.
-            Warning::InDoubt { name, stands } => format!("{name}: shown with {stands}, which is in doubt."),
+            Warning::InDoubt { name, stands } => {
+                let way_out = "Up, among the parts of the look, says otherwise";
+                format!("{name}: shown with {stands}, which is in doubt: {way_out}.")
+            }
             warning => warning.to_string(),
         };
         self.tell("warning", &text);

@@ -185,6 +185,14 @@ async function turns(page) {
   const { generation } = await state(page);
   await page.click("#breed");
   await until(page, (generation) => window.chladni.state.generation > generation, generation);
+  const savedShow = async () => readFileSync(await downloaded(page, "#save-show"), "utf8");
+  await page.selectOption("#stance-up", "z");
+  const [upward] = /^stands = "up z, front .*"$/m.exec(await savedShow());
+  await page.click("#turn-front");
+  assert.notEqual(/^stands = "up z, front .*"$/m.exec(await savedShow())[0], upward);
+  await moves(page, "a shape that stands otherwise");
+  await page.selectOption("#stance-up", "");
+  assert.doesNotMatch(await savedShow(), /^stands/m);
   await page.selectOption("#look", "ember");
   await page.selectOption("#look-material", "clay");
   await page.selectOption("#look-background", "night");

@@ -73,6 +73,13 @@ impl Ensemble {
         &self.dancer
     }
 
+    /// Gives all parts to `dancer`, of the same body, which may stand otherwise. Mappings are compiled anew for it.
+    pub fn give_to(&mut self, dancer: Arc<Dancer>) {
+        (self.dancer, self.soloist) = (dancer, None);
+        self.slots.clear();
+        self.items.clear();
+    }
+
     /// Limits the number of harmonics of mappings and voices, whatever the instrument asks for, on a machine that does not
     /// keep up. `None` removes the limit.
     pub fn use_at_most(&mut self, harmonics: Option<u32>) {

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use chladni_mesh::Orientation;
 use serde::{Deserialize, Serialize};
 
 pub use self::appearance::{Looks, Viewpoint};
@@ -31,6 +32,9 @@ pub struct Show {
     /// How long it lasts; `None` is as long as its song.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub duration_secs: Option<f64>,
+    /// How its body stands, where that was set by hand; `None` as it stands by itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stands: Option<Orientation>,
     /// The dancing body: a mesh, or a caricature whose layers are voices.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<FileRef>,
@@ -79,7 +83,7 @@ const LONGEST_SECS: f64 = 400.0 * 86_400.0;
 const MOST_MIB: u64 = 256;
 
 impl Show {
-    /// All actions of an instrument; body, songs and looks are still to be filled in.
+    /// All actions of an instrument; body, its stance, songs and looks are still to be filled in.
     pub fn of(instrument: &Instrument) -> Self {
         Self {
             format_version: FORMAT_VERSION,
@@ -87,6 +91,7 @@ impl Show {
             seed: instrument.first_seed(),
             size: instrument.size(),
             duration_secs: None,
+            stands: None,
             body: None,
             looks: None,
             viewpoint: Viewpoint::default(),
@@ -169,6 +174,7 @@ impl Show {
                 seed,
                 size,
                 duration_secs: None,
+                stands: None,
                 body: None,
                 looks: None,
                 viewpoint: Viewpoint::default(),

@@ -61,6 +61,7 @@ impl Concert {
     pub fn save_show(&self) -> Result<String, JsError> {
         let file = |path: &str| FileRef { path: path.to_owned(), blake3: None };
         let show = Show {
+            stands: self.given,
             body: Some(file(&self.name)),
             looks: Some(self.looks.clone()),
             viewpoint: self.viewpoint,
@@ -83,6 +84,7 @@ impl Concert {
         let show = Show::from_text(text)?;
         let caution = show.caution_on(self.harmonics());
         self.instrument = show.replay(self.instrument.shape().clone())?;
+        self.stand_as_in(&show)?;
         let at_secs = show.ends_secs();
         (self.programme, self.script, self.before_sand, self.live) = (None, None, None, None);
         self.hearing = Hearing::continued(&show.heard, show.clock, at_secs);

@@ -38,6 +38,8 @@ fn hash_of_curves(mapping: &Mapping) -> u32 {
 #[derive(Serialize)]
 struct State<'a> {
     body: &'a str,
+    /// The axis that was set to point up; empty where none was.
+    up: String,
     dances: Vec<Dance<'a>>,
     /// The generation shown, counted from 0, and how many there are.
     generation: usize,
@@ -84,6 +86,7 @@ impl Concert {
         let beat = self.beat_at(self.clock.at_secs());
         let state = State {
             body: &self.name,
+            up: self.up(),
             dances: gallery
                 .items()
                 .iter()

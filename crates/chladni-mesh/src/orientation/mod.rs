@@ -116,6 +116,13 @@ impl Orientation {
         Self::new(of(self.up), of(self.front))
     }
 
+    /// The same with another axis up. Where the front would no longer be level, the former up or down axis is the front.
+    #[must_use]
+    pub fn with_up(&self, up: Axis) -> Self {
+        let fronts = [self.front, self.up];
+        fronts.into_iter().find_map(|front| Self::new(up.direction(), front)).unwrap_or(*self)
+    }
+
     /// Turned about up by quarters, counted as seen from above, so that another side is the front.
     #[must_use]
     pub fn quarters(&self, quarters: i32) -> Self {
@@ -237,6 +244,10 @@ mod tests {
         assert_eq!((once.up(), once.front()), ([0.0, 1.0, 0.0], [1.0, 0.0, 0.0]));
         assert_eq!((0..4).fold(once, |o, _| o.quarters(1)), once);
         assert!((Orientation::Y_UP.angle_to(&once) - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        // Another axis is up: the front stays where it can.
+        let [x_up, z_up] = ["x", "z"].map(|up| Orientation::Y_UP.with_up(up.parse().unwrap()));
+        assert_eq!((x_up.up(), x_up.front()), ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]));
+        assert_eq!((z_up.up(), z_up.front()), ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]));
         // A quarter about x takes y to z.
         let turned = Orientation::Y_UP.turned([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]).unwrap();
         assert_eq!(turned, Orientation::Z_UP);

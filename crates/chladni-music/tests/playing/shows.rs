@@ -241,6 +241,18 @@ fn a_show_keeps_the_tempo_that_was_tapped_for_a_song() {
 }
 
 #[test]
+fn a_show_keeps_how_its_shape_stands_where_that_was_set() {
+    let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+    let plain = Show::of(&Instrument::new(1, 6, shape).unwrap());
+    assert!(!plain.to_text().unwrap().contains("stands"));
+    let text = Show { stands: Some(Orientation::Z_UP), ..plain }.to_text().unwrap();
+    assert!(text.contains("stands = \"up z, front -y\""), "{text}");
+    assert_eq!(Show::from_text(&text).unwrap().stands, Some(Orientation::Z_UP));
+    let wrong = text.replace("front -y", "front z");
+    assert!(Show::from_text(&wrong).unwrap_err().to_string().contains("up z, front z"));
+}
+
+#[test]
 fn a_dance_stays_on_stage_when_another_gallery_begins() {
     let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
     let at = |at_beat: f64| Moment { at_secs: 0.5 * at_beat, at_beat };

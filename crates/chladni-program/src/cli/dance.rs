@@ -363,7 +363,11 @@ impl Dance {
             Error::Input(format!("{path}: names no {what}: give one on the command line"))
         };
         let body = match (&self.mesh, &show.body) {
-            (Some(mesh), _) => mesh.clone(),
+            (Some(mesh), _) => {
+                // Its stance is that of its own shape.
+                show.stands = None;
+                mesh.clone()
+            }
             (None, Some(body)) => file(body)?,
             (None, None) => return Err(missing("shape")),
         };

@@ -36,6 +36,7 @@ mod screen;
 mod screen_changes;
 mod settings;
 mod shortcut;
+mod standing;
 mod start;
 mod theme;
 mod top_bar;

@@ -77,12 +77,18 @@ impl Cast {
         self.project.as_ref().map_or(most, |project| project.harmonics.min(most))
     }
 
-    /// How it stands.
+    /// How it stands: as given, else as a show of it has `kept`, else as its project has.
     ///
     /// # Errors
     /// As [`Stance::of`].
-    pub fn stands(&self, stance: Stance, watcher: &impl Watcher) -> Result<Orientation, Error> {
-        stance.of(&self.shape.to_string(), &self.subject.mesh, self.kept_stance(), None, watcher)
+    pub fn stands(
+        &self,
+        stance: Stance,
+        kept: Option<Orientation>,
+        watcher: &impl Watcher,
+    ) -> Result<Orientation, Error> {
+        let kept = kept.or_else(|| self.kept_stance());
+        stance.of(&self.shape.to_string(), &self.subject.mesh, kept, None, watcher)
     }
 
     /// The body with this many harmonics, and the voices by name, each at full strength. A layer that cannot

@@ -182,6 +182,12 @@ impl Staging {
         }
     }
 
+    /// The body stands otherwise from now on; `dancer` is of the same body, as it stands then.
+    pub fn stand(&mut self, dancer: Arc<Dancer>, stands: Orientation) {
+        self.reaches = axes(stands).map(|axis| ends(&self.rest, axis));
+        (self.dancer, self.stands, self.filled) = (dancer, stands, None);
+    }
+
     /// How the body stands.
     pub fn stands(&self) -> Orientation {
         self.stands

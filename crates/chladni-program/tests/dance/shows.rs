@@ -8,7 +8,7 @@ use chladni_music::{
 };
 use chladni_sound::{Song, WavSample, write_wav};
 
-use crate::looks::show;
+use crate::looks::{frame, show};
 use crate::{array, ball, run};
 
 /// Shape and values of the coefficients of a show in which `changes` are made after 0.2 s.
@@ -62,6 +62,20 @@ fn sand_holds_throughout_a_show() {
         let change = [change];
         assert_eq!(danced(&change), plain, "{change:?}");
     }
+}
+
+#[test]
+fn a_shape_stands_as_its_show_says_unless_the_command_or_another_shape_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let bell = Some(FileRef { path: "sample:bell".into(), blake3: None });
+    let upright = chladni_music::Show { body: bell, ..show("ember", None) };
+    let upside_down = chladni_mesh::Orientation::new([0.0, -1.0, 0.0], [0.0, 0.0, 1.0]);
+    let turned = chladni_music::Show { stands: upside_down, ..upright.clone() };
+    let of = |show: &chladni_music::Show, more: &[&str]| frame(folder.path(), show, "0", more);
+    let seen = of(&upright, &[]);
+    assert!(of(&turned, &[]) != seen);
+    assert!(of(&turned, &["--up", "y", "--front", "z"]) == seen);
+    assert!(of(&turned, &["sample:bell"]) == seen);
 }
 
 /// A song of `secs` that clicks every `gap_secs`.

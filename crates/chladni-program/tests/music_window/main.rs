@@ -20,6 +20,7 @@ mod lost_device;
 mod media_keys;
 mod own_colors;
 mod stage;
+mod stance;
 
 use std::net::{Ipv4Addr, UdpSocket};
 use std::path::Path;

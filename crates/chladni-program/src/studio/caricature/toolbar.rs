@@ -1,7 +1,6 @@
 //! The bar above the stage: file, history, view and look.
 
 use chladni_caricature::Action;
-use chladni_mesh::{Axis, Orientation};
 use chladni_view::{ColorMap, Lights, Material};
 use egui::Ui;
 
@@ -155,30 +154,11 @@ impl CaricatureRoom {
     /// Sets which way is up, in case the estimate is wrong.
     fn stance_menu(&mut self, ui: &mut Ui) {
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
-        let (now, given) = (session.stands(), session.project().stands);
-        let mut wanted = given;
-        let doubt = if session.stands_in_doubt() { " Up?" } else { "" };
-        let menu = ui.menu_button(format!("{}{doubt}", icon::text(Icon::ArrowUp)), |ui| {
-            ui.label(egui::RichText::new("Up is").color(theme::palette(ui).weak));
-            for axis in Axis::ALL {
-                let up = axis.direction();
-                if ui.selectable_label(Axis::of(now.up()) == Some(axis), axis.to_string()).clicked() {
-                    // If the front would no longer be level, the former up or down axis becomes the front.
-                    let fronts = [now.front(), now.up()];
-                    wanted = fronts.into_iter().find_map(|front| Orientation::new(up, front));
-                }
-            }
-            ui.separator();
-            if ui.button("Turn the front by a quarter").clicked() {
-                wanted = Some(now.quarters(1));
-            }
-            if ui.add_enabled(given.is_some(), egui::Button::new("As estimated")).clicked() {
-                wanted = None;
-            }
-        });
-        let tip = format!("Which way is up: {now}. Exports keep the file's axes.");
-        menu.response.accessible_name("Which way is up").on_hover_text(tip);
-        if wanted != given && session.apply(vec![Edit::Once(Action::Stand(wanted))]).is_ok() {
+        let mut standing = session.standing();
+        let doubt = if standing.is_in_doubt() { " Up?" } else { "" };
+        if standing.menu(ui, format!("{}{doubt}", icon::text(Icon::ArrowUp)))
+            && session.apply(vec![Edit::Once(Action::Stand(standing.given))]).is_ok()
+        {
             self.stale = true;
         }
     }

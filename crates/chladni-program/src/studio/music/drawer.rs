@@ -86,7 +86,8 @@ impl Drawers {
                 let of_show = shared.settings.music.looks();
                 let seen = look::seen(instrument, of_show.clone());
                 shared.settings.music.look_like(&seen);
-                look::show(ui, shared, concert.has_own_colors(), &mut self.adjusts, wishes);
+                let shape = (concert.standing(), concert.has_own_colors());
+                look::show(ui, shared, shape, &mut self.adjusts, wishes);
                 let now = shared.settings.music.looks();
                 // These stay under any look.
                 let lasting = |looks: Looks| Looks {

@@ -44,6 +44,11 @@ impl Harmonics {
         Self { body, symmetry, points, fitted: None, figure_markers, drawn: None, shown: None }
     }
 
+    /// The body.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
     /// Triangles of the body, by its vertices.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.body.triangles

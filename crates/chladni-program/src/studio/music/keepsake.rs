@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant, SystemTime};
 
+use chladni_mesh::Orientation;
 use chladni_music::{BeatReading, Looks, Show, Viewpoint};
 use chladni_task::RecoveryCopy;
 use egui::RichText;
@@ -42,6 +43,7 @@ fn interval_secs(took_secs: f64, actions: usize) -> f64 {
 struct Kept {
     actions: usize,
     body: PathBuf,
+    stands: Option<Orientation>,
     stretches: usize,
     /// Those of the songs that were heard.
     readings: Vec<BeatReading>,
@@ -61,6 +63,7 @@ impl Kept {
         Self {
             actions: concert.instrument().log().len(),
             body: body.to_owned(),
+            stands: concert.standing().given,
             stretches: heard.len(),
             readings: songs.iter().map(|song| song.reading).collect(),
             recorded: concert.outgoing.recorded.len(),

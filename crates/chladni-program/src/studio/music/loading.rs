@@ -31,8 +31,10 @@ pub struct Means {
 pub struct Ready {
     /// The body and what players need of it.
     pub dancing: Dancing,
-    /// How it stands.
+    /// How it stands, as its project or sample says, or by an estimate.
     pub stands: Orientation,
+    /// Whether that is in doubt.
+    pub in_doubt: bool,
     /// From where it is seen first.
     pub opening_view: Viewpoint,
     /// The layers of a caricature, by name, each at its full strength.
@@ -55,7 +57,7 @@ pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
     let aside = Aside::new(task);
     let cast = Cast::open(path, &aside)?;
     let subject = cast.subject().clone();
-    let stands = cast.stands(Stance::default(), &aside)?;
+    let stands = cast.stands(Stance::default(), None, &aside)?;
     let harmonics = cast.harmonics(means.harmonics);
     let (body, voices) = cast.prepare(harmonics, Laplacian::Delaunay, true, &aside)?;
     let (symmetry, details) = rayon::join(
@@ -66,7 +68,9 @@ pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
     let name = path.to_string_lossy();
     let own = OwnLook::of_subject(&name, &subject, &body, &aside);
     let opening_view = opening_view(&name);
-    Ok(Ready { dancing, stands, opening_view, voices, details, own, warnings: aside.warnings() })
+    let warnings = aside.warnings();
+    let in_doubt = warnings.iter().any(|warning| matches!(warning, Warning::InDoubt { .. }));
+    Ok(Ready { dancing, stands, in_doubt, opening_view, voices, details, own, warnings })
 }
 
 fn details(body: &Body) -> Vec<Detail> {

@@ -10,7 +10,9 @@ use std::path::Path;
 use super::preferences::{Camera, CameraSize, Screen};
 use super::wish::{Then, Wish};
 use crate::studio::author_id::AuthorId;
+use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
+use crate::studio::standing::Standing;
 use crate::studio::theme;
 use crate::work::OWN_COLORS;
 
@@ -28,13 +30,20 @@ pub fn seen(instrument: &Instrument, of_show: Looks) -> Looks {
 pub fn show(
     ui: &mut Ui,
     shared: &mut Shared<'_>,
-    has_own_colors: bool,
+    (mut standing, has_own_colors): (Standing, bool),
     adjusts: &mut bool,
     wishes: &mut Vec<Wish>,
 ) {
     let preferences = &mut shared.settings.music;
     let mut look = preferences.look.clone();
-    scene(ui, &mut look);
+    ui.horizontal(|ui| {
+        scene(ui, &mut look);
+        let up = if standing.is_in_doubt() { "Up?" } else { "Up" };
+        if standing.menu(ui, icon::label(Icon::ArrowUp, up)) {
+            wishes.push(Wish::Stand(standing.given));
+        }
+    });
+    ui.add_space(theme::GAP);
     if look != preferences.look {
         preferences.put_on(look);
     }
@@ -155,7 +164,6 @@ fn scene(ui: &mut Ui, chosen: &mut String) {
     response.response.on_hover_text(
         "The whole scene: what shapes are made of, how movement and music color them, and light",
     );
-    ui.add_space(theme::GAP);
 }
 
 /// Menu of the palettes that color the movement: too many for a row of buttons.

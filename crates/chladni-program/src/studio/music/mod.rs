@@ -68,8 +68,8 @@ use super::awake::Awake;
 use super::job::Job;
 use super::opening::{Live, SetOutput};
 use super::room::Shared;
-use crate::work::Error;
 use crate::work::formats;
+use crate::work::{Error, Warning};
 
 /// The room: one body, one gallery, one playlist.
 #[derive(Default)]
@@ -216,8 +216,17 @@ impl MusicRoom {
 
     /// A shape that is ready dances, in place of the one before.
     fn bring_on(&mut self, ready: Ready, shared: &mut Shared<'_>) -> Result<(), Error> {
+        // A show that has waited for the shape may say how it stands.
+        let is_said = self.coming.as_ref().is_some_and(|coming| coming.show.stands.is_some());
         for warning in &ready.warnings {
-            shared.notices.warn(warning.clone());
+            match warning {
+                Warning::InDoubt { .. } if is_said => {}
+                Warning::InDoubt { .. } => {
+                    let way_out = "the arrow beside the scene, in the drawer Look, says otherwise";
+                    shared.notices.warn(format!("{warning}: {way_out}"));
+                }
+                warning => shared.notices.warn(warning),
+            }
         }
         let mut concert = Concert::new(shared.screen, ready)?;
         if let Some(before) = &self.concert {

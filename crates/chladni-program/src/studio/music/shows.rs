@@ -192,6 +192,7 @@ impl MusicRoom {
             }
         }
         Some(Show {
+            stands: concert.standing().given,
             body: Some(refer(&self.body)),
             looks: Some(shared.settings.music.looks()),
             viewpoint: concert.viewpoint(),
@@ -235,7 +236,12 @@ impl MusicRoom {
         for caution in cautions(&show) {
             shared.notices.warn(format!("{}: {caution}", path.display()));
         }
-        let Some(body) = show.body.clone() else { return self.go_on_with(&path, &show, shared) };
+        let given = concert.standing().given;
+        // On a shape that is not its own, a show changes nothing about how that stands.
+        let elsewhere = |show: Show| Show { stands: given, ..show };
+        let Some(body) = show.body.clone() else {
+            return self.go_on_with(&path, &elsewhere(show), shared);
+        };
         match resolve(&body, path.parent()) {
             Ok((body, warning)) => {
                 warning.into_iter().for_each(|warning| shared.notices.warn(warning));
@@ -259,7 +265,7 @@ impl MusicRoom {
             }
             Err(why) => {
                 shared.notices.warn(format!("{why}. It goes on with the shape that dances now."));
-                self.go_on_with(&path, &show, shared);
+                self.go_on_with(&path, &elsewhere(show), shared);
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use chladni_mesh::Orientation;
 use chladni_music::{Action, ItemId, Preset, Target};
 
 use super::view::View;
@@ -26,6 +27,8 @@ pub enum Wish {
     Film,
     /// Show the gallery, one item or the harmonics.
     Show(View),
+    /// Let the shape stand so, or as it does by itself.
+    Stand(Option<Orientation>),
     /// Plays this preset in the gallery's place for one frame, to try it out.
     TryOut(Box<Preset>),
     /// Ask for name and tags, to keep an item on the shelf.

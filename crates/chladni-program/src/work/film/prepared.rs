@@ -58,7 +58,8 @@ impl Prepared {
             watcher.warn_each(left_of_gltf(file, path));
         }
         // The orientation decides which half hears the left channel, so it is needed even without pictures.
-        let stands = cast.stands(wanted.stance, watcher)?;
+        let show = wanted.beginning.show.as_ref();
+        let stands = cast.stands(wanted.stance, show.and_then(|show| show.stands), watcher)?;
         let range = (wanted.start_secs, wanted.duration_secs);
         let heard = std::mem::take(&mut wanted.heard);
         let mut songs = Songs::open(&wanted.songs, heard, wanted.show_secs, range, &wanted.clock, watcher)?;

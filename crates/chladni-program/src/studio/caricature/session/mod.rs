@@ -28,6 +28,7 @@ use super::evaluating::{Evaluated, Figures, Shown, Sight};
 use super::loading::Loaded;
 use crate::studio::job::Job;
 use crate::studio::newest::Newest;
+use crate::studio::standing::Standing;
 use crate::work::{Error, Sculpture, Subject};
 
 /// A project with everything it needs to be drawn and changed.
@@ -131,13 +132,14 @@ impl Session {
     }
 
     /// How the shape stands: as the project says, else as is most probable.
-    pub fn stands(&self) -> Orientation {
-        self.project().stands.unwrap_or(self.stands.orientation)
+    pub fn standing(&self) -> Standing {
+        let Estimate { orientation, in_doubt, .. } = self.stands;
+        Standing { found: orientation, in_doubt, given: self.project().stands }
     }
 
-    /// Whether the user should say how it stands.
-    pub fn stands_in_doubt(&self) -> bool {
-        self.project().stands.is_none() && self.stands.in_doubt
+    /// Its orientation.
+    pub fn stands(&self) -> Orientation {
+        self.standing().now()
     }
 
     /// The document as it is now.

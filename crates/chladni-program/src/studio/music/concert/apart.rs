@@ -1,6 +1,8 @@
 //! The stage in a window of its own, while the gallery goes on in the first.
 
-use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Target, calibration_flash};
+use std::sync::Arc;
+
+use chladni_music::{Bands, Beat, Dancer, Ensemble, Framing, Instrument, Target, calibration_flash};
 use chladni_synth::Item;
 use egui::{Color32, ViewportBuilder, ViewportCommand, ViewportId};
 
@@ -46,6 +48,11 @@ impl Apart {
             lag: Lag::default(),
             place: Place::default(),
         }
+    }
+
+    /// The dance on stage is that of `dancer` from now on: of the same body, which stands otherwise.
+    pub fn give_to(&mut self, dancer: Arc<Dancer>) {
+        self.ensemble.give_to(dancer);
     }
 
     /// Uses no more than this many harmonics from now on; `None` for all.

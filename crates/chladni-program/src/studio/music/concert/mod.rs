@@ -13,6 +13,7 @@ mod pane;
 mod piloted;
 mod preview;
 mod show;
+mod standing;
 mod stillness;
 mod suggesting;
 mod unsaved;
@@ -42,6 +43,7 @@ use super::outgoing::Outgoing;
 use super::song_title::SongTitle;
 use super::view::View;
 use crate::studio::screen::Screen;
+use crate::studio::standing::Standing;
 use crate::work::dancer::Dancing;
 use crate::work::{Deformed, Error, Lag, Programme, Recent, SandTable, Staging, Wardrobe, along};
 
@@ -68,6 +70,7 @@ pub struct Concert {
     /// Vertices that were drawn of a shape, in the mean.
     drawn_vertices: usize,
     staging: Staging,
+    standing: Standing,
     /// The name and the cover of the song that is heard.
     pub song_title: SongTitle,
     sand: SandTable,
@@ -125,6 +128,7 @@ impl Concert {
         let deformed = Deformed::new(device, &model, topology, Backend::Auto);
         let wardrobe = staging.wardrobe(device)?;
         let details = on_device(device, (&staging, &body.triangles), ready.details)?;
+        let standing = Standing { found: ready.stands, in_doubt: ready.in_doubt, given: None };
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(dancer).with_voices(terms)?;
         let mut concert = Self {
@@ -138,6 +142,7 @@ impl Concert {
             seen: Vec::new(),
             drawn_vertices: vertices,
             staging,
+            standing,
             pane,
             apart: None,
             song_title: SongTitle::default(),
@@ -319,11 +324,12 @@ impl Concert {
         Ok(())
     }
 
-    /// Replaces the gallery by that of a show, as it was in the end.
+    /// Replaces the gallery by that of a show, as it was in the end, on a body that stands as in the show.
     pub fn replay(&mut self, show: &Show) -> Result<(), Error> {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: self.ensemble.dancer().eigenvalues.clone(), bands };
         self.instrument = show.replay(shape)?;
+        self.stand(show.stands)?;
         // It played the other show.
         (self.piloted, self.marked) = (None, None);
         // Items of another show may have the same numbers.
@@ -340,7 +346,7 @@ impl Concert {
         self.moment = moment;
     }
 
-    /// Replays on this body all actions made on another.
+    /// Replays on this body, however it stands, all actions made on another.
     pub fn go_on_from(&mut self, before: &Self) -> Result<(), Error> {
         let viewpoint = self.viewpoint;
         self.moment = before.moment;
@@ -410,6 +416,7 @@ impl Concert {
         let ready = Ready {
             dancing: Dancing::new(&body, symmetry, &Orientation::Y_UP)?,
             stands: Orientation::Y_UP,
+            in_doubt: false,
             opening_view: Viewpoint::default(),
             voices: Vec::new(),
             details: Vec::new(),

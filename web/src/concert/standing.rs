@@ -1,0 +1,55 @@
+//! How the body stands, which can be corrected while it dances.
+
+use std::sync::Arc;
+
+use chladni_mesh::{Axis, Orientation};
+use chladni_music::{Dancer, Show};
+use chladni_program::work::Error;
+use wasm_bindgen::prelude::*;
+
+use super::Concert;
+
+#[wasm_bindgen]
+impl Concert {
+    /// Says which axis of the shape's file points up, such as `z` or `-y`; `""` leaves it to what was found.
+    ///
+    /// # Errors
+    /// A name that no axis has.
+    pub fn stand(&mut self, up: &str) -> Result<(), JsError> {
+        let given = if up.is_empty() { None } else { Some(self.staging.stands().with_up(up.parse()?)) };
+        Ok(self.stand_as(given)?)
+    }
+
+    /// Another side of the body is the front: the next one around.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn turn_front(&mut self) -> Result<(), JsError> {
+        Ok(self.stand_as(Some(self.staging.stands().quarters(1)))?)
+    }
+}
+
+impl Concert {
+    /// The axis that was set to point up: none where nothing was set, `other` where it is no axis of the file.
+    pub(super) fn up(&self) -> String {
+        let Some(given) = self.given else { return String::new() };
+        Axis::of(given.up()).map_or_else(|| "other".to_owned(), |axis| axis.to_string())
+    }
+
+    /// The body stands as in a show, if that is its own.
+    pub(super) fn stand_as_in(&mut self, show: &Show) -> Result<(), Error> {
+        let body = show.body.as_ref().and_then(|body| body.path.rsplit(['/', '\\']).next());
+        if body == Some(self.name.as_str()) { self.stand_as(show.stands) } else { Ok(()) }
+    }
+
+    fn stand_as(&mut self, given: Option<Orientation>) -> Result<(), Error> {
+        let stands = given.unwrap_or(self.found);
+        if stands != self.staging.stands() {
+            let dancer = Arc::new(Dancer::new(&self.body, &self.ensemble.dancer().classes, &stands)?);
+            self.ensemble.give_to(Arc::clone(&dancer));
+            self.staging.stand(dancer, stands);
+        }
+        self.given = given;
+        Ok(())
+    }
+}
