@@ -103,7 +103,8 @@ def eigsh(
         Symmetric and positive definite, diagonal or not; the identity where it is left out.
     sigma, which, mode
         What asks for the smallest: ``sigma`` at or below 0 with ``which`` "LM" or "LA"; a sigma so little above 0 that the
-        k nearest are the k smallest, or any with k = n, with "LM"; or "SM" or "SA" without a sigma. Anything else is refused.
+        k nearest are the k smallest, or any with k = n, with "LM"; or "SM" or "SA" without a sigma. Anything else is
+        refused.
         Where sigma lies does not matter: the solver chooses its own shifts.
     tol : float
         0 for any, else the relative residual to be content with: ‖A x − λ M x‖ / ‖A x‖ of each pair with λ above 0. It is

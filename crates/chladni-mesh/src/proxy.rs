@@ -25,7 +25,8 @@ pub struct Proxy {
     farthest: f64,
 }
 
-/// How far detail may swell or shrink with the surface that carries it, beyond what the whole surface does.
+/// How far detail may swell or shrink with the surface that carries it, or as far as the whole surface does, where
+/// that is farther.
 const SWELLING: [f64; 2] = [0.25, 4.0];
 
 /// The largest share of vertices that may lie in pieces that vanish from the proxy.
@@ -147,7 +148,7 @@ impl Proxy {
         let around = vertex_triangles(small.positions.len(), &small.triangles);
         let [before, after] = [&small.positions, &moved].map(|at| total_area(at, &small.triangles));
         let growth = Some((after / before).sqrt()).filter(|g| *g > 0.0 && g.is_finite()).unwrap_or(1.0);
-        let swellings = SWELLING.map(|s| growth * s);
+        let swellings = [SWELLING[0] * growth.min(1.0), SWELLING[1] * growth.max(1.0)];
         let maps: Vec<Affine> = (0..small.positions.len())
             .into_par_iter()
             .map(|v| Affine::around(v, small, &moved, displacements[v], &around, swellings))
@@ -381,6 +382,12 @@ mod tests {
         }
         let rest = vec![[0.0; 3]; proxy.mesh().positions.len()];
         assert!(proxy.carried(&rest).iter().all(|d| *d == [0.0; 3]));
+        // What rests does so however far the other half grows.
+        let grows = |p: &Vec3| if p[2] > 0.0 { p.map(|c| 9.0 * c) } else { [0.0; 3] };
+        let half: Vec<Vec3> = proxy.mesh().positions.iter().map(grows).collect();
+        let carried = proxy.carried(&half);
+        let far_below = scan.positions.iter().zip(&carried).filter(|(p, _)| p[2] < -10.0);
+        assert!(far_below.clone().count() > 1000 && far_below.clone().all(|(_, d)| *d == [0.0; 3]));
     }
 
     #[test]

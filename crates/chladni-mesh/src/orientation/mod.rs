@@ -116,7 +116,7 @@ impl Orientation {
         Self::new(of(self.up), of(self.front))
     }
 
-    /// The same with another axis up. Where the front would no longer be level, the former up or down axis is the front.
+    /// The same with another axis up. Where the front would no longer be level, the former up is the front.
     #[must_use]
     pub fn with_up(&self, up: Axis) -> Self {
         let fronts = [self.front, self.up];

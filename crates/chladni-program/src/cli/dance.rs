@@ -334,6 +334,8 @@ impl Dance {
             (self.picture.is_some(), "--picture"),
             (self.panorama.is_some(), "--panorama"),
             (self.blur.is_some(), "--blur"),
+            (!self.without.is_empty(), "--without"),
+            (self.yaw.is_some(), "--yaw"),
             (self.samples.is_some(), "--samples"),
             (self.titles, "--titles"),
             (self.allow_flashes, "--allow-flashes"),

@@ -4,11 +4,11 @@ use chladni_mesh::Axis;
 
 use crate::work::Stance;
 
-/// Where up and front are; the one that is not said is as the project or the sample has it, else estimated.
+/// Where up and front are; the one that is not given is as the show, the project or the sample has it, else estimated.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct StanceOptions {
-    /// Which axis of the file points up in pictures: x, y, z, -x, -y or -z. That of the project or the sample
-    /// unless given, else estimated; results keep the file's axes in any case.
+    /// Which axis of the file points up in pictures: x, y, z, -x, -y or -z. That of the show, the project
+    /// or the sample unless given, else estimated; results keep the file's axes in any case.
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     up: Option<Axis>,
     /// Which axis of the file points to a viewer in front.

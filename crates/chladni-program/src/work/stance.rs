@@ -4,7 +4,8 @@ use chladni_mesh::{Axis, Estimate, Known, Orientation, ShapeSource, TriMesh};
 
 use super::{Error, Warning, Watcher};
 
-/// Up and front as given by the user; missing ones are those of the project or the sample, else estimated.
+/// Up and front as given by the user; missing ones are those of the show, the project or the sample, else
+/// estimated.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stance {
     /// The axis of the file that points up.

@@ -2,7 +2,8 @@
 
 use chladni_music::smooth;
 
-/// The size of its letters, and how far it is from the left and from the bottom, where 720 is the picture's height.
+/// The size of its letters, and how far it is from the left and from the bottom, where 720 is the shorter side
+/// of the picture.
 pub const TITLE: [f32; 3] = [26.0, 32.0, 48.0];
 
 /// The longer side of the cover before it, in sizes of its letters.

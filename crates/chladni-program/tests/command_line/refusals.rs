@@ -237,6 +237,8 @@ fn options_of_pictures_are_refused_for_a_dance_without_any() {
     for option in [
         &["--look", "neon"][..],
         &["--blur", "0"],
+        &["--without", "glow"],
+        &["--yaw", "10"],
         &["--size", "64x64"],
         &["--samples", "4"],
         &["--picture", "never.png"],

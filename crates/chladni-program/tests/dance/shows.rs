@@ -52,15 +52,15 @@ fn options_hold_throughout_a_show() {
 #[test]
 fn sand_holds_throughout_a_show() {
     let folder = tempfile::tempdir().unwrap();
-    let danced = |changes: &[Action]| danced(folder.path(), changes, "6", &["--sand"]);
-    let plain = danced(&[]);
-    for change in [
-        Action::SetForm { form: Form::HalfMask },
-        Action::Set { parameter: Parameter::Gain, value: 2.0 },
-        Action::Switch { switch: Switch::BeatTurns, on: true },
-    ] {
-        let change = [change];
-        assert_eq!(danced(&change), plain, "{change:?}");
+    let danced = |changes: &[Action], more: &[&str]| danced(folder.path(), changes, "6", more);
+    let modal = Action::SetForm { form: Form::Modal };
+    let plain = danced(&[], &["--sand"]);
+    for change in
+        [Action::SetForm { form: Form::HalfMask }, Action::Set { parameter: Parameter::Gain, value: 2.0 }]
+    {
+        let [one, both] = [vec![modal.clone()], vec![modal.clone(), change.clone()]];
+        assert_ne!(danced(&both, &[]), danced(&one, &[]), "{change:?} changes nothing");
+        assert_eq!(danced(&[change], &["--sand"]), plain);
     }
 }
 

@@ -18,7 +18,7 @@ use winit::window::Window;
 
 pub use browser::{Purpose, Request};
 
-use super::device::wgpu_options;
+use super::device::graphics_window;
 use super::error::StudioError;
 use super::focus;
 use super::folders::Folders;
@@ -27,6 +27,7 @@ use super::processor_window::{self, Program};
 use super::settings::Settings;
 use super::theme;
 use crate::studio::author_id::AuthorId;
+use crate::work::system_fonts;
 use browser::{Browser, Entry, MAX_ENTRIES, Verdict};
 
 /// The name of the command that opens the window; see `ask`.
@@ -63,11 +64,11 @@ pub fn open(request: Request, draw: Draw) -> Result<Vec<PathBuf>, StudioError> {
         processor_window::open(viewport, create)?;
         return Ok(answer.take());
     }
-    let options = eframe::NativeOptions { viewport, wgpu_options: wgpu_options(), ..Default::default() };
     eframe::run_native(
         "chladni-files",
-        options,
+        graphics_window(viewport),
         Box::new(move |creation| {
+            creation.egui_ctx.add_font_provider(system_fonts());
             Ok(Box::new(FileWindow::new(&creation.egui_ctx, request, &settings, given)))
         }),
     )?;
