@@ -116,7 +116,7 @@ impl Way {
     fn carry(&self, values: &[f32]) -> Result<Arc<[f32]>, CaricatureError> {
         if values.len() != self.old_operator_vertices {
             let (found, expected) = (values.len(), self.old_operator_vertices);
-            return Err(CaricatureError::VertexCount { what: "the painted region", found, expected });
+            return Err(CaricatureError::PaintedElsewhere { found, expected });
         }
         let old = |v: u32| {
             let vertex = self.old_operator_vertex.get(v as usize).copied().flatten();

@@ -16,6 +16,17 @@ pub enum CaricatureError {
         /// Values it should have.
         expected: usize,
     },
+    /// A region was painted on a shape with other vertices.
+    #[error(
+        "the painted region has {found} values, the shape has {expected} vertices: the shape has changed, \
+         or an older Chladni counted its parts without area; paint the region again"
+    )]
+    PaintedElsewhere {
+        /// Values of the region.
+        found: usize,
+        /// Operator vertices of the shape.
+        expected: usize,
+    },
     /// A text, such as a command-line argument or a field of a project, does not parse.
     #[error("{what} `{text}`: {why}")]
     Syntax {

@@ -73,7 +73,7 @@ impl PaintEdit {
     pub fn apply(&self, painted: &Painted, surface: &Surface) -> Result<Painted, CaricatureError> {
         let vertices = |found: usize| {
             let expected = surface.vertices();
-            let other = CaricatureError::VertexCount { what: "the painted region", found, expected };
+            let other = CaricatureError::PaintedElsewhere { found, expected };
             if found == expected { Ok(()) } else { Err(other) }
         };
         // These replace a region, even one of another shape.

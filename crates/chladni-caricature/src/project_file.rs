@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use chladni_harmonics::Laplacian;
 use chladni_match::MatchSettings;
 use chladni_mesh::{MeshError, Orientation};
-use chladni_task::read_file;
+use chladni_task::{newer, read_file};
 use serde::{Deserialize, Serialize};
 
 use self::paths::{relative_text, resolved};
@@ -329,13 +329,13 @@ impl LayerTable {
 
 /// "line 3, column 7: what is wrong", without the quoted source.
 fn one_line(error: &toml::de::Error, text: &str) -> String {
-    let what = error.message().lines().next().unwrap_or("not valid TOML");
+    let what = newer(error.message().lines().next().unwrap_or("not valid TOML"));
     match error.span().and_then(|span| text.get(..span.start)) {
         Some(before) => {
             let line = before.matches('\n').count() + 1;
             let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
             format!("line {line}, column {column}: {what}")
         }
-        None => what.to_owned(),
+        None => what,
     }
 }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use chladni_harmonics::{Basis, Body};
 use serde::{Deserialize, Serialize};
 
-use crate::difference::check_count;
 use crate::painted_spectrum::PaintedSpectrum;
 use crate::softening::Softening;
 use crate::wavelength::{eigenvalue_of, wavelengths};
@@ -119,9 +118,14 @@ impl Region {
             return Ok(None);
         }
         let painted = self.painted.values(file_positions);
-        check_count("the painted region", painted.len(), basis)?;
+        check_painted(painted.len(), basis)?;
         self.smoothing.apply_with(basis, &painted, spectrum, softening).map(Some)
     }
+}
+
+fn check_painted(found: usize, basis: &Basis) -> Result<(), CaricatureError> {
+    let expected = basis.vertices();
+    if found == expected { Ok(()) } else { Err(CaricatureError::PaintedElsewhere { found, expected }) }
 }
 
 impl PartialEq for Painted {
@@ -159,7 +163,7 @@ impl Smoothing {
     /// # Errors
     /// A signal of another number of values; a surface on which no heat flows.
     pub fn apply(&self, body: &Arc<Body>, painted: &[f32]) -> Result<Arc<[f32]>, CaricatureError> {
-        check_count("the painted region", painted.len(), &body.basis)?;
+        check_painted(painted.len(), &body.basis)?;
         let mut softening = Softening::of(Arc::new(Surface::new(body)));
         self.apply_with(&body.basis, painted, &mut PaintedSpectrum::default(), &mut softening)
     }
@@ -281,6 +285,13 @@ mod tests {
             let by_heat = heat.apply(&body, &painted).unwrap();
             assert!(by_heat.iter().zip(&chi).all(|(a, b)| (f64::from(*a) - b).abs() < 1e-6));
         }
+    }
+
+    #[test]
+    fn a_region_of_other_vertices_says_why_it_may_be_and_what_to_do() {
+        let (body, _) = bumpy_sphere();
+        let refused = Smoothing::default().apply(&body, &[1.0; 3]).unwrap_err().to_string();
+        assert!(refused.contains("has 3 values") && refused.ends_with("paint the region again"), "{refused}");
     }
 
     #[test]

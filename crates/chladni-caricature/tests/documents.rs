@@ -292,6 +292,7 @@ fn what_is_wrong_with_a_file_is_told_in_one_line() {
         ("format_version = 3".into(), "shape"),
         (format!("{head}[[layer]]\nname = "), "line 4"),
         (format!("{head}[[layer]]\nname = 'n'\ntemplate = 'sphere'\nmu = 1\nmuu = 2\n"), "line 7, column 1"),
+        (format!("{head}{layer}muu = 2\n"), "unknown field `muu`; a newer Chladni may have written it"),
         (format!("{head}[[layer]]\nname = 'n'\ntemplate = 'self:loud'\nmu = 1\n"), "layer 1 (n)"),
         (format!("{head}[[layer]]\nname = 'n'\ntemplate = 'self:layer=0'\nmu = 1\n"), "from the lowest, 1"),
         (

@@ -102,7 +102,7 @@ impl Preset {
     pub fn from_text(text: &str) -> Result<Self, MusicError> {
         let version = text_file::version("preset", text)?;
         let mut preset: Self = text_file::parse("preset", text)?;
-        if version == 2 {
+        if version <= 2 {
             preset.settings = preset.settings.of_version_2();
         }
         preset.name = item_name(&preset.name);

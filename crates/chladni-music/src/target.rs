@@ -26,6 +26,7 @@ pub enum Target {
     Preset,
     Song,
     Choose,
+    #[serde(alias = "favourite")]
     Favorite,
     Lock,
     Mutate,
@@ -34,7 +35,9 @@ pub enum Target {
     Breed,
     Back,
     Forth,
+    #[serde(alias = "next-favourite")]
     NextFavorite,
+    #[serde(alias = "previous-favourite")]
     PreviousFavorite,
     LeaveStage,
     Go,

@@ -28,7 +28,8 @@ pub(crate) fn parse<T: DeserializeOwned>(kind: &'static str, text: &str) -> Resu
     toml::from_str(text).map_err(|error: toml::de::Error| {
         let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
         let line = 1 + before.matches('\n').count();
-        MusicError::Parse { kind, why: format!("line {line}: {}", error.message().trim().replace('\n', " ")) }
+        let why = chladni_task::newer(&error.message().trim().replace('\n', " "));
+        MusicError::Parse { kind, why: format!("line {line}: {why}") }
     })
 }
 

@@ -1,6 +1,6 @@
 //! Progress and cancellation of long work, files that are written whole or not at all, or by one program at a time,
 //! files that are read whole up to a size limit, copies of unsaved work that outlive a crash, other programs that are
-//! started, names in addresses, and numbers of things in words.
+//! started, names in addresses, numbers of things in words, and files of newer programs.
 //!
 //! ```
 //! use chladni_task::Task;
@@ -26,6 +26,7 @@
 mod alone;
 mod atomic_file;
 mod counted;
+mod newer;
 mod other_program;
 mod percent;
 mod progress;
@@ -38,6 +39,7 @@ pub use atomic_file::{
     where_it_leads, write_atomic, write_atomic_private, write_atomic_with, write_new,
 };
 pub use counted::counted;
+pub use newer::newer;
 pub use other_program::{Needs, apart, other_program};
 pub use percent::percent_decoded;
 pub use progress::{Cancelled, Progress, Stage, Task};

@@ -51,6 +51,25 @@ fn a_knob_is_learned_turned_and_forgotten() {
 }
 
 #[test]
+fn bindings_of_earlier_builds_are_read_and_those_of_newer_ones_named() {
+    let text = |target: &str| {
+        let control = "control = { kind = \"note\", channel = 0, number = 1 }";
+        format!("format_version = 3\n[[binding]]\n{control}\ntarget = \"{target}\"\n")
+    };
+    for (name, target) in [
+        ("favourite", Target::Favorite),
+        ("next-favourite", Target::NextFavorite),
+        ("previous-favourite", Target::PreviousFavorite),
+    ] {
+        let mut bindings = Bindings::default();
+        assert_eq!(bindings.import(&text(name)).unwrap(), 1);
+        assert_eq!(bindings.list()[0].target, target);
+    }
+    let refused = Bindings::default().import(&text("strobe")).unwrap_err().to_string();
+    assert!(refused.ends_with("unknown variant `strobe`; a newer Chladni may have written it"), "{refused}");
+}
+
+#[test]
 fn a_knob_takes_over_where_it_passes_its_target() {
     let target = Target::Parameter(Parameter::StereoMu);
     let mut bindings = Bindings::new(vec![binding(knob(1, 0).control, target)]);

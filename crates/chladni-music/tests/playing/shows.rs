@@ -23,7 +23,8 @@ fn a_preset_brings_its_form_and_knobs_and_an_old_one_says_that_it_has_none() {
     assert_eq!(other.parameters().get(chladni_music::Parameter::TurnRad), turn);
     let old = "format_version = 1\nname = \"x\"\nseed = 1\n[mapping]\ntransfer = [0.5]\namplification = [0.5]\nstereo_mu = 0.0\ngain = 1.0\n";
     let old = Preset::from_text(old).unwrap();
-    assert!(old.caution().unwrap().contains("version 1") && old.settings.is_empty());
+    assert!(old.caution().unwrap().contains("version 1") && old.settings.knobs.is_empty());
+    assert!(!old.settings.switches[&Switch::Resonate], "nothing resonated then");
     assert_eq!(old.mapping_on(other.shape()), old.mapping);
 }
 

@@ -238,7 +238,7 @@ impl Dance {
         let mut film = match (&self.show, &self.mesh, &self.song) {
             (Some(path), ..) => self.film_of_show(path, output, terminal)?,
             (None, Some(body), Some(song)) => {
-                Film::new(body.clone(), song.clone(), self.beginning()?, output)
+                Film::new(body.clone(), song.clone(), self.beginning(terminal)?, output)
             }
             _ => return Err(Error::input("a shape and a song, or --show, are needed")),
         };
@@ -433,10 +433,14 @@ impl Dance {
     }
 
     /// How it begins where no show says it.
-    fn beginning(&self) -> Result<Beginning, Error> {
+    fn beginning(&self, terminal: &Terminal) -> Result<Beginning, Error> {
         let load = |path: &Path| {
             check_no_shape(path)?;
-            Preset::load(path).map_err(|error| in_file(path, error))
+            let preset = Preset::load(path).map_err(|error| in_file(path, error))?;
+            if let Some(caution) = preset.caution() {
+                terminal.note(format_args!("{}: {caution}", path.display()));
+            }
+            Ok::<_, Error>(preset)
         };
         let preset = self.preset.as_deref().map(load).transpose()?;
         Ok(Beginning { preset, seed: self.seed, gallery: self.gallery, ..Beginning::default() })

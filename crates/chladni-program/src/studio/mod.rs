@@ -145,8 +145,16 @@ impl Studio {
         } = opening;
 
         let first_run = folders.settings.as_ref().is_some_and(|path| !path.exists());
-        let settings = match folders.settings.as_deref().map(Settings::load) {
-            Some(Ok(settings)) => settings,
+        let settings = match folders.settings.as_deref().map(Settings::read) {
+            Some(Ok((settings, unread))) => {
+                if !unread.is_empty() {
+                    let names = unread.join(", ");
+                    notices.warn(format!(
+                        "Preferences that are not understood stay in the file; the usual ones count: {names}."
+                    ));
+                }
+                settings
+            }
             Some(Err(error)) => {
                 let path = folders.settings.take().unwrap_or_default();
                 let kept = match Settings::set_aside(&path) {

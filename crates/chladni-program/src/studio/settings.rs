@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use chladni_music::Binding;
 use chladni_sound::LONGEST_CROSSFADE_SECS;
 use chladni_task::{alone, read_file, read_text_file};
 use serde::{Deserialize, Serialize};
@@ -54,21 +55,52 @@ impl Default for Settings {
 impl Settings {
     /// Reads `path`. A missing file gives the defaults; a damaged one is an error that says why.
     pub fn load(path: &Path) -> io::Result<Self> {
-        let text = match read_text_file(path, LARGEST) {
-            Ok(text) => text,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Self::default()),
-            Err(error) => return Err(error),
-        };
-        Self::from_text(&text)
+        Ok(Self::read(path)?.0)
     }
 
-    /// What a file of preferences says, with numbers in their bounds.
+    /// The same, with the names of preferences whose values are not understood, as those of a newer version: they have
+    /// their defaults.
     ///
     /// # Errors
-    /// One that says why it cannot be understood.
+    /// Those of [`load`](Self::load).
+    pub fn read(path: &Path) -> io::Result<(Self, Vec<String>)> {
+        match read_text_file(path, LARGEST) {
+            Ok(text) => Self::understood(&text),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok((Self::default(), Vec::new())),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The preferences that a file has, with numbers in their bounds; defaults in the place of values that are not
+    /// understood.
+    ///
+    /// # Errors
+    /// Text that is not TOML; the error says where.
     pub fn from_text(text: &str) -> io::Result<Self> {
-        let settings: Self = toml::from_str(text).map_err(io::Error::other)?;
-        Ok(settings.bounded())
+        Ok(Self::understood(text)?.0)
+    }
+
+    fn understood(text: &str) -> io::Result<(Self, Vec<String>)> {
+        let (settings, unread) = match toml::from_str::<Self>(text) {
+            Ok(settings) => (settings, Vec::new()),
+            Err(_) => Self::of_table(text.parse::<toml::Table>().map_err(io::Error::other)?)?,
+        };
+        Ok((settings.bounded(), unread))
+    }
+
+    /// The preferences of a table, and the names of those that are not understood.
+    fn of_table(table: toml::Table) -> io::Result<(Self, Vec<String>)> {
+        let (mut all, mut unread) = (Value::Table(table), Vec::new());
+        sift("", &mut all, &|value: Value| value.try_into::<Self>().is_ok(), &mut unread);
+        unread.sort_unstable();
+        unread.dedup();
+        let mut settings: Self = all.try_into().map_err(io::Error::other)?;
+        // Where no machine is named any would be heard.
+        let music = &mut settings.music;
+        if music.osc_allowed.is_empty() && unread.iter().any(|name| name == "music.osc_allowed") {
+            music.osc_network = false;
+        }
+        Ok((settings, unread))
     }
 
     /// The text of a file of preferences.
@@ -124,13 +156,14 @@ impl Settings {
     }
 
     /// What was changed here since `before`, and all else as `there`, in a file that another window may have written
-    /// meanwhile: a newer version has keys in it that are not known here.
+    /// meanwhile: a newer version has keys and values in it that are not known here.
     ///
     /// # Errors
     /// A value that the file cannot hold.
     fn over(&self, before: &Self, mut there: toml::Table) -> io::Result<toml::Table> {
+        rename_targets(&mut there);
         change(&mut there, &before.table()?, self.table()?);
-        let merged: Self = there.clone().try_into().map_err(io::Error::other)?;
+        let (merged, _) = Self::of_table(there.clone())?;
         change(&mut there, &merged.table()?, merged.bounded().table()?);
         Ok(there)
     }
@@ -168,6 +201,51 @@ impl Settings {
         self.music.song_fade_secs =
             if fade_secs.is_finite() { fade_secs.clamp(0.0, LONGEST_CROSSFADE_SECS) } else { 0.0 };
         self
+    }
+}
+
+/// Takes out of `value`, the preference `name`, what is not understood, and adds the names of that to `unread`. Returns
+/// whether the rest is understood, as `is_read` says of a value in this place.
+fn sift(name: &str, value: &mut Value, is_read: &dyn Fn(Value) -> bool, unread: &mut Vec<String>) -> bool {
+    if is_read(value.clone()) {
+        return true;
+    }
+    let before = unread.len();
+    match value {
+        Value::Table(parts) => parts.retain(|key, part| {
+            // Keys further in may be any text.
+            let name = match name {
+                "" => key.to_owned(),
+                "music" => format!("music.{key}"),
+                _ => name.to_owned(),
+            };
+            let is_part_read =
+                |part: Value| is_read(Value::Table(toml::Table::from_iter([(key.to_owned(), part)])));
+            sift(&name, part, &is_part_read, unread)
+        }),
+        Value::Array(parts) => {
+            parts.retain(|part| is_read(Value::Array(vec![part.clone()])));
+            unread.push(name.to_owned());
+        }
+        _ => {}
+    }
+    let is_rest_read = is_read(value.clone());
+    if !is_rest_read {
+        unread.truncate(before);
+        unread.push(name.to_owned());
+    }
+    is_rest_read
+}
+
+/// Writes bindings with the names of now, by which they are compared: an older version may have written others.
+fn rename_targets(there: &mut toml::Table) {
+    let bindings = there.get_mut("music").and_then(|music| music.get_mut("bindings"));
+    for binding in bindings.and_then(Value::as_array_mut).into_iter().flatten() {
+        if let Ok(known) = binding.clone().try_into::<Binding>()
+            && let Ok(renamed) = Value::try_from(known)
+        {
+            *binding = renamed;
+        }
     }
 }
 
@@ -292,6 +370,35 @@ mod tests {
         assert_eq!(Settings::load(&path).unwrap(), settings);
     }
 
+    #[test]
+    fn values_that_are_not_understood_leave_all_others_and_stay_in_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("settings.toml");
+        let pad = |number: u8, target: &str| {
+            let control = format!("{{ kind = \"note\", channel = 0, number = {number} }}");
+            format!("[[music.bindings]]\ncontrol = {control}\ntarget = \"{target}\"\n")
+        };
+        let text = "zoom = 1.5\nharmonics = \"many\"\n[music]\ncamera = \"ndi\"\nvolume = 0.5\n\
+                    osc_network = true\nosc_allowed = [\"desk.local\"]\n";
+        std::fs::write(&path, [text, &pad(1, "strobe"), &pad(2, "favourite")].concat()).unwrap();
+        let (before, unread) = Settings::read(&path).unwrap();
+        assert_eq!(unread, ["harmonics", "music.bindings", "music.camera", "music.osc_allowed"]);
+        assert_eq!((before.zoom, before.harmonics, before.music.volume), (1.5, HARMONICS, 0.5));
+        assert_eq!(before.music.bindings.len(), 1);
+        assert!(!before.music.osc_network, "none is heard where those that may be are not understood");
+        let mut settings = before.clone();
+        settings.zoom = 2.0;
+        settings.music.bindings.clear();
+        assert_eq!(settings.save_beside(&before, &path).unwrap(), None);
+        let kept: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();
+        let music = &kept["music"];
+        assert_eq!((kept["harmonics"].as_str(), music["camera"].as_str()), (Some("many"), Some("ndi")));
+        assert_eq!(music["osc_network"].as_bool(), Some(true));
+        let bindings = music["bindings"].as_array().unwrap();
+        assert_eq!((bindings.len(), bindings[0]["target"].as_str()), (1, Some("strobe")));
+        assert_eq!(Settings::read(&path).unwrap(), (settings, unread));
+    }
+
     #[cfg(unix)]
     #[test]
     fn windows_that_write_at_once_keep_what_each_has_changed() {
@@ -351,24 +458,25 @@ mod tests {
     }
 
     #[test]
-    fn whatever_is_in_the_file_the_settings_are_sound_or_refused() {
+    fn whatever_is_in_the_file_the_settings_are_sound() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("settings.toml");
         let good = toml::to_string_pretty(&Settings::default()).unwrap();
         let numbers = ["nan", "-inf", "1e308", "-1", "9223372036854775807", "0", "\"x\"", "[]", "true"];
-        let (mut read, mut refused) = (0, 0);
+        let (mut whole, mut in_part) = (0, 0);
         // Each value of the file in turn is something else.
         for (at, line) in good.lines().enumerate().filter(|(_, line)| line.contains(" = ")) {
             let key = line.split(" = ").next().unwrap();
             for number in numbers {
                 let changed = format!("{key} = {number}");
                 let lines = good.lines().enumerate().map(|(i, own)| if i == at { &changed } else { own });
-                std::fs::write(&path, lines.collect::<Vec<_>>().join("\n")).unwrap();
-                let Ok(settings) = Settings::load(&path) else {
-                    refused += 1;
+                let text = lines.collect::<Vec<_>>().join("\n");
+                std::fs::write(&path, &text).unwrap();
+                let Ok((settings, unread)) = Settings::read(&path) else {
+                    assert!(text.parse::<toml::Table>().is_err(), "{changed}");
                     continue;
                 };
-                read += 1;
+                *(if unread.is_empty() { &mut whole } else { &mut in_part }) += 1;
                 assert!((0.5..=3.0).contains(&settings.zoom) && (2..=4096).contains(&settings.harmonics));
                 assert!((0.0..=1.0).contains(&settings.music.volume), "{changed}");
                 assert!(settings.music.live_gain_db.abs() <= MOST_GAIN_DB, "{changed}");
@@ -376,7 +484,7 @@ mod tests {
                 assert_eq!(Settings::load(&path).unwrap(), settings, "{changed}");
             }
         }
-        assert!(read > 10 && refused > 10, "{read} {refused}");
+        assert!(whole > 10 && in_part > 10, "{whole} {in_part}");
     }
 
     #[cfg(unix)]

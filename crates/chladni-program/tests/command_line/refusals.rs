@@ -281,6 +281,19 @@ fn numbers_below_zero_are_refused_by_their_own_ranges() {
 }
 
 #[test]
+fn a_preset_of_version_1_says_what_it_lacks() {
+    let folder = tempfile::tempdir().unwrap();
+    let [preset, gif] = ["old.toml", "never.gif"].map(|name| folder.path().join(name));
+    let mapping = "transfer = [0.5]\namplification = [0.5]\nstereo_mu = 0.0\ngain = 1.0\n";
+    let old = format!("format_version = 1\nname = \"x\"\nseed = 1\n[mapping]\n{mapping}");
+    std::fs::write(&preset, old).unwrap();
+    // Without its song nothing is filmed.
+    let run = Run::of(&["dance", "sample:bell", "nowhere.ogg", "--preset", text(&preset), "-o", text(&gif)]);
+    run.refused("nowhere.ogg");
+    assert!(run.stderr().contains("is a preset of version 1"), "{}", run.stderr());
+}
+
+#[test]
 fn what_stands_in_the_place_of_something_else_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let [project, file, gif] = ["p.chladni", "file", "never.gif"].map(|name| folder.path().join(name));
