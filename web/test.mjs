@@ -24,7 +24,7 @@ const rooms = {
   music: [music.laptop, music.plate, music.phone],
   beats: [beats],
   shows: [shows.shows, shows.flashes, shows.withoutSong, shows.films],
-  returns: [returns.dances, returns.galleries, returns.overtaken, returns.layers],
+  returns: [returns.dances, returns.settings, returns.galleries, returns.overtaken, returns.layers],
   haste: [haste.shapes, haste.songs, haste.films, haste.layers, haste.projects],
   beginnings: [beginnings.beginnings, beginnings.lostTune, beginnings.slowly],
   films: [shows.wholeFilms, shows.stoppedFilms, shows.brokenFilms],

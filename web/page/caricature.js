@@ -79,6 +79,8 @@ const room = {
 
 /** The project is one of a file: what is changed in it is missed even where no layer is left. */
 let isOfFile = false;
+/** The name of the file from which it was opened, without its ending. */
+let projectStem;
 
 /** Whether there are layers, or changes of a project, that no file has. */
 export const isUnsaved = () => !!state?.modified && (state.layers.length > 0 || isOfFile);
@@ -92,20 +94,21 @@ function mayReplace() {
   return false;
 }
 
-/** Opens a shape with its project and the meshes that `came` with that, or with a first layer against one of the starting
- * points. Its harmonics and matches come later. */
+/** Opens a shape with its project, by name and text, and the meshes that `came` with that, or with a first layer against one
+ * of the starting points. Its harmonics and matches come later. */
 async function openShape(name, bytes, project, first, came = []) {
   if (!mayReplace()) return;
   say(`${label(name)}…`);
   // That is to be seen before the page reads the shape.
   await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
-  const next = new Sitting(name, bytes, project, harmonicsOf(bytes));
+  const next = new Sitting(name, bytes, project?.text, harmonicsOf(bytes));
   const mine = ++opened;
   giveUp(obsolete(), ["solve", "match", "gallery"]);
   wall.leave();
   sitting?.free();
   sitting = next;
   isOfFile = project !== undefined;
+  projectStem = project?.name.replace(/\.[^.]*$/, "");
   requests.clear();
   forgetFiles(name);
   for (const [each, mesh] of came) files.set(each, mesh);
@@ -262,7 +265,7 @@ export async function openProject(name, bytes, beside = new Map()) {
   const named = new Set([shapeName, ...needs.templates.map(base)]);
   const came = [...beside].filter(([each]) => named.has(each));
   for (const [each] of came) beside.delete(each);
-  await openShape(needs.shape, brought, text, undefined, came);
+  await openShape(needs.shape, brought, { name, text }, undefined, came);
 }
 
 /** A mesh was brought: the shape of a project that waits, a template that a layer or such a project waits for, or, as the
@@ -302,6 +305,8 @@ let question = Promise.resolve();
 function whichOf(name) {
   const dialog = of("which");
   question = question.then(() => new Promise((done) => {
+    // The room may have been left while another question waited.
+    if (document.body.dataset.view !== "caricature") return done("");
     of("which-name").textContent = name;
     dialog.returnValue = "";
     dialog.onclose = () => done(dialog.returnValue);
@@ -567,7 +572,7 @@ export function listen() {
   for (const id of ["ink", "tones"]) of(id).addEventListener("change", () => { of("tones-row").hidden = !of("ink").checked; if (of("ink").checked) hold("turn"); refresh(); });
   of("wanted-harmonics").addEventListener("change", () => act({ set_harmonics: Math.round(Number(of("wanted-harmonics").value)) || state.wanted_harmonics }));
   const saved = () => { isOfFile = true; refresh(); };
-  const caricature = { sitting: () => sitting, shape: () => shape, stem, refresh, saved, changed, act, set, slide, isInInk };
+  const caricature = { sitting: () => sitting, shape: () => shape, stem, projectStem: () => projectStem ?? stem(), refresh, saved, changed, act, set, slide, isInInk };
   chosen.listen(caricature);
   exports.listen(caricature);
   scaleCurve.listen(caricature);

@@ -22,6 +22,8 @@ function showRoom(view) {
 }
 
 async function goHome() {
+  // They are about the room that is left.
+  for (const dialog of document.querySelectorAll("dialog[open]")) dialog.close();
   music.leave();
   delete dataset.empty;
   delete dataset.bare;

@@ -14,8 +14,8 @@ mod state;
 use std::sync::Arc;
 
 use chladni_music::{
-    Dancer, Ensemble, Framing, GalleryShape, Instrument, Looks, Parameter, Parameters, Reaction, Veil,
-    Viewpoint,
+    Dancer, Ensemble, FileRef, Framing, GalleryShape, Instrument, Looks, Parameter, Parameters, Reaction,
+    Veil, Viewpoint,
 };
 use chladni_program::work::{
     Error, Hearing, KnownSong, Lag, Playing, Programme, Recent, SandTable, ShowClock, Staging, along,
@@ -37,6 +37,8 @@ use crate::parcel::Parcel;
 #[wasm_bindgen]
 pub struct Concert {
     name: String,
+    /// The body that the show names which was opened or played last.
+    shows_body: Option<FileRef>,
     hearing: Hearing,
     /// The live input in place of a song.
     live: Option<Live>,
@@ -63,6 +65,11 @@ pub struct Concert {
     /// Its songs, by number.
     songs: Vec<ShowSong>,
     stage: Stage,
+}
+
+/// A file's name without its folders, whatever system wrote them.
+fn base(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
 /// The effect of beat and sound on one picture.
@@ -114,6 +121,7 @@ impl Concert {
             viewpoint: opening_view(&name),
             took_ms: [0.0; 2],
             songs: Vec::new(),
+            shows_body: None,
             name,
         })
     }
@@ -138,7 +146,8 @@ impl Concert {
         self.songs.resize_with(self.songs.len().max(number + 1), ShowSong::default);
         let known = &mut self.songs[number];
         song.beats = Some(read_beats(&beats, known.reading));
-        (known.name, known.beats) = (name, Some(beats));
+        known.call(name);
+        known.beats = Some(beats);
         let is_news = self.hearing.song(number).is_none_or(|known| known.beats.is_none());
         let was_heard = self.hearing.stretches().any(|stretch| stretch.song == Some(number));
         self.hearing.know(number, song);

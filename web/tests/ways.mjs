@@ -1,8 +1,9 @@
 // What people do in another order than one would think.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
+import { basename } from "node:path";
 import { head, song } from "../browser.mjs";
-import { downloaded, drop, opened, step, until } from "./driver.mjs";
+import { downloaded, downloading, drop, opened, step, until } from "./driver.mjs";
 
 const click = (page, selector) => page.locator(selector).dispatchEvent("click");
 
@@ -148,6 +149,9 @@ export async function caricature() {
   const source = PROJECT.toString().replace('"dent.obj"', "'D:\\Shapes\\b\u00fcste.obj'");
   await drop(page, ["bu\u0308ste.obj", MESH], ["bust.chladni", Buffer.from(source)]);
   await until(page, () => window.chladni.sitting?.shape.endsWith("b\u00fcste.obj") && window.chladni.sitting.solved);
+  const saving = downloading(page);
+  await click(page, "#save-project");
+  assert.equal(basename(await saving), "bust.chladni", "a project keeps its name");
   step("a project waits for its mesh, they may come together, and names say which is which");
   await drop(page, ["broken.wav", Buffer.from("no sound")]);
   await until(page, () => document.getElementById("status").textContent.startsWith("broken.wav: not a sound"));
