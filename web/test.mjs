@@ -2,7 +2,7 @@
 // node web/test.mjs PAGE OUT [music|beats|shows|returns|haste|beginnings|films|microphone|caricature|tools|ways|access|
 // models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
 import * as access from "./tests/access.mjs";
-import { browser, stop } from "./tests/driver.mjs";
+import { browser, keepsPolicy, stop } from "./tests/driver.mjs";
 import * as card from "./tests/card.mjs";
 import { beats } from "./tests/beats.mjs";
 import * as beginnings from "./tests/beginnings.mjs";
@@ -24,14 +24,14 @@ const rooms = {
   music: [music.laptop, music.plate, music.phone],
   beats: [beats],
   shows: [shows.shows, shows.flashes, shows.withoutSong, shows.films],
-  returns: [returns.dances, returns.galleries, returns.overtaken, returns.layers],
+  returns: [returns.dances, returns.settings, returns.galleries, returns.overtaken, returns.layers],
   haste: [haste.shapes, haste.songs, haste.films, haste.layers, haste.projects],
-  beginnings: [beginnings.beginnings, beginnings.lostTune, beginnings.slowly],
+  beginnings: [beginnings.beginnings, beginnings.lostTune, beginnings.withoutSong, beginnings.slowly],
   films: [shows.wholeFilms, shows.stoppedFilms, shows.brokenFilms],
   microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],
   tools: [tools.laptop, tools.phone],
-  ways: [ways.music, ways.caricature, ways.stopped],
+  ways: [ways.music, ways.caricature, ways.policy, ways.stopped],
   access: [access.names, access.translated, access.fullScreen, access.motion, access.large, access.pictures],
   models: [models.chosen],
   card: [card.webgpu.pictures, card.webgpu.loss],
@@ -42,7 +42,10 @@ const rooms = {
 };
 try {
   for (const [room, tests] of Object.entries(rooms)) {
-    if (!only || only === room) for (const test of tests) await test();
+    if (!only || only === room) for (const test of tests) {
+      await test();
+      keepsPolicy();
+    }
   }
 } finally {
   await browser.close();

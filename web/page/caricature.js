@@ -1,7 +1,7 @@
 // The caricature room: it shows a sitting, and passes on what a person does. All that deforms is in the module.
 import { Sitting, needs_of_project, samples, starting_points } from "./chladni_web.js";
 import { ask, giveUp, obsolete } from "./work.js";
-import { attempt, attemptOf, base, busy, label, of, on, options, report, say } from "./page.js";
+import { attempt, attemptOf, base, busy, label, of, on, options, report, say, within } from "./page.js";
 import { scale, show as showPicture, stir } from "./picture.js";
 import * as chosen from "./chosen.js";
 import * as exports from "./exports.js";
@@ -79,6 +79,8 @@ const room = {
 
 /** The project is one of a file: what is changed in it is missed even where no layer is left. */
 let isOfFile = false;
+/** The name of the file from which it was opened, without its ending. */
+let projectStem;
 
 /** Whether there are layers, or changes of a project, that no file has. */
 export const isUnsaved = () => !!state?.modified && (state.layers.length > 0 || isOfFile);
@@ -92,20 +94,21 @@ function mayReplace() {
   return false;
 }
 
-/** Opens a shape with its project and the meshes that `came` with that, or with a first layer against one of the starting
- * points. Its harmonics and matches come later. */
+/** Opens a shape with its project, by name and text, and the meshes that `came` with that, or with a first layer against one
+ * of the starting points. Its harmonics and matches come later. */
 async function openShape(name, bytes, project, first, came = []) {
   if (!mayReplace()) return;
   say(`${label(name)}…`);
   // That is to be seen before the page reads the shape.
   await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
-  const next = new Sitting(name, bytes, project, harmonicsOf(bytes));
+  const next = new Sitting(name, bytes, project?.text, harmonicsOf(bytes));
   const mine = ++opened;
   giveUp(obsolete(), ["solve", "match", "gallery"]);
   wall.leave();
   sitting?.free();
   sitting = next;
   isOfFile = project !== undefined;
+  projectStem = project?.name.replace(/\.[^.]*$/, "");
   requests.clear();
   forgetFiles(name);
   for (const [each, mesh] of came) files.set(each, mesh);
@@ -149,8 +152,9 @@ async function solve(mine) {
     shape.basis = basis;
     report.solveSecs = secs;
     if (!state.parts.length) sitting.find_parts(Number(of("level").value));
-    const { vertices } = state;
-    say(sitting.take_notes() || `${label(name)}: ${vertices} vertices, ${harmonics} harmonics in ${secs.toFixed(1)} s`);
+    // A small shape has fewer harmonics than it was asked for.
+    const { vertices, harmonics: found } = view();
+    say(sitting.take_notes() || `${label(name)}: ${vertices} vertices, ${found} harmonics in ${secs.toFixed(1)} s`);
   } catch (error) {
     if (mine !== opened || harmonics !== harmonicsAsked) return;
     // Those that are there stay.
@@ -212,13 +216,15 @@ function remember(file, request) {
   requests.get(file).add(request);
 }
 
+/** Whether two files hold the same bytes. */
+const areSame = (one, other) => one?.length === other?.length && one.every((byte, i) => byte === other[i]);
+
 /** Keeps a mesh by its name. Where that is the name of another one, matches with it are forgotten; gives whether layers are
  * compared with it. */
 function keep(name, bytes) {
   const before = files.get(name);
   files.set(name, bytes);
-  const isSame = before?.length === bytes.length && before.every((byte, i) => byte === bytes[i]);
-  if (!sitting || !before || isSame) return false;
+  if (!sitting || !before || areSame(before, bytes)) return false;
   if (held === "landmarks") hold("turn");
   // Its worker has the matches with the file before.
   if (requests.has(name)) wall.leave();
@@ -262,7 +268,7 @@ export async function openProject(name, bytes, beside = new Map()) {
   const named = new Set([shapeName, ...needs.templates.map(base)]);
   const came = [...beside].filter(([each]) => named.has(each));
   for (const [each] of came) beside.delete(each);
-  await openShape(needs.shape, brought, text, undefined, came);
+  await openShape(needs.shape, brought, { name, text }, undefined, came);
 }
 
 /** A mesh was brought: the shape of a project that waits, a template that a layer or such a project waits for, or, as the
@@ -287,6 +293,10 @@ export async function takeMesh(name, bytes) {
   switch (sitting ? await whichOf(name) : "shape") {
     case "shape": return openShape(name, bytes);
     case "template":
+      // A project would name both by the same name, and take the shape for its template.
+      if (name === base(shape.name) && !areSame(shape.bytes, bytes)) {
+        throw new Error(`${name} has the name of the shape, and a page knows files by their names alone: rename one.`);
+      }
       // Another shape may have been opened since the question.
       files.set(name, bytes);
       sitting.compare(name);
@@ -302,6 +312,8 @@ let question = Promise.resolve();
 function whichOf(name) {
   const dialog = of("which");
   question = question.then(() => new Promise((done) => {
+    // The room may have been left while another question waited.
+    if (document.body.dataset.view !== "caricature") return done("");
     of("which-name").textContent = name;
     dialog.returnValue = "";
     dialog.onclose = () => done(dialog.returnValue);
@@ -378,6 +390,13 @@ function pickLandmarks() {
   sitting.begin_landmarks(files.get(base(template))?.slice());
   hold("landmarks");
   refresh();
+}
+
+/** Shows the figure again where the gallery covers it; gives whether it was seen. */
+function uncover() {
+  if (!wall.isOpen()) return true;
+  wall.leave();
+  return false;
 }
 
 /** Does an action at once. */
@@ -560,14 +579,29 @@ export function listen() {
   of("keep").addEventListener("change", () => act({ keep_triangles: of("keep").checked }));
   of("up").addEventListener("change", attempt(() => { sitting.stand(of("up").value); return changed(); }));
   for (const from of ["front", "portrait", "right"]) on(`look-${from}`, () => sitting.look(from));
-  on("models", () => { hold("turn"); sitting.show_models(!state.in_models); refresh(); });
-  on("original", () => { sitting.show_original(!state.bare); refresh(); });
+  on("models", () => {
+    const isShown = uncover();
+    hold("turn");
+    sitting.show_models(!isShown || !state.in_models);
+    refresh();
+  });
+  on("original", () => {
+    const isShown = uncover() && !state.in_models;
+    if (state.in_models) sitting.show_models(false);
+    sitting.show_original(!isShown || !state.bare);
+    refresh();
+  });
   heat.listen((quantity, harmonic, map) => { sitting.show_heat(quantity, harmonic, map); refresh(); });
   on("landmarks", pickLandmarks);
   for (const id of ["ink", "tones"]) of(id).addEventListener("change", () => { of("tones-row").hidden = !of("ink").checked; if (of("ink").checked) hold("turn"); refresh(); });
-  of("wanted-harmonics").addEventListener("change", () => act({ set_harmonics: Math.round(Number(of("wanted-harmonics").value)) || state.wanted_harmonics }));
+  const wantedHarmonics = of("wanted-harmonics");
+  wantedHarmonics.addEventListener("change", () => {
+    const count = within(wantedHarmonics) || state.wanted_harmonics;
+    wantedHarmonics.value = count;
+    return act({ set_harmonics: count });
+  });
   const saved = () => { isOfFile = true; refresh(); };
-  const caricature = { sitting: () => sitting, shape: () => shape, stem, refresh, saved, changed, act, set, slide, isInInk };
+  const caricature = { sitting: () => sitting, shape: () => shape, stem, projectStem: () => projectStem ?? stem(), refresh, saved, changed, act, set, slide, isInInk };
   chosen.listen(caricature);
   exports.listen(caricature);
   scaleCurve.listen(caricature);

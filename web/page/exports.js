@@ -37,7 +37,7 @@ function ask(accept, take) {
 
 export function listen(caricature) {
   room = caricature;
-  on("save-project", () => { save(`${room.stem()}.chladni`, room.sitting().save_project()); room.saved(); });
+  on("save-project", () => { save(`${room.projectStem()}.chladni`, room.sitting().save_project()); room.saved(); });
   for (const format of ["glb", "obj", "ply", "stl"]) {
     on(`export-${format}`, () => {
       save(`${room.stem()}-caricature.${format}`, room.sitting().export(format), TYPES[format]);

@@ -15,7 +15,8 @@ const DRAG = 6;
 export function hands(places, room) {
   const down = new Map();
   let dragged = false;
-  let stroking = false;
+  /** The tool of the stroke that is under way: the room may be left before the button comes up. */
+  let stroking;
   let from;
 
   const viewer = () => room().viewer();
@@ -31,8 +32,9 @@ export function hands(places, room) {
     return { x, y, apart: all.length > 1 ? Math.hypot(all[0].x - all[1].x, all[0].y - all[1].y) : 0 };
   };
   const letGo = () => {
-    if (stroking) tool()?.release();
-    stroking = false;
+    const held = stroking;
+    stroking = undefined;
+    held?.release();
   };
 
   const begin = (event) => {
@@ -41,13 +43,14 @@ export function hands(places, room) {
     if (down.size === 1) {
       dragged = false;
       tool()?.hover(...at(event));
-      stroking = event.button === 0 && !event.altKey && !!tool()?.grabs(...at(event));
+      if (event.button === 0 && !event.altKey && tool()?.grabs(...at(event))) stroking = tool();
       // A finger may be the first of two, which pinch: it paints once it drags, or by a tap.
-      if (stroking && tool().paints() && event.pointerType !== "touch") tool().stroke(...at(event));
+      if (stroking?.paints() && event.pointerType !== "touch") stroking.stroke(...at(event));
     }
     from = middle();
   };
   const move = (event) => {
+    if (stroking && stroking !== tool()) letGo();
     if (!viewer()) return;
     // No button is down any more: a menu of the browser got the release, so the drag ends here.
     if (event.pointerType === "mouse" && !event.buttons) end(event);
@@ -61,7 +64,7 @@ export function hands(places, room) {
     if (!dragged && Math.hypot(dx, dy) < DRAG && down.size === 1) return;
     dragged = true;
     stir();
-    if (stroking) tool().stroke(...at(event));
+    if (stroking) stroking.stroke(...at(event));
     else if (down.size === 1 && !event.shiftKey) viewer().turn(dx, dy);
     else viewer().shift(dx / places[0].clientHeight, dy / places[0].clientHeight);
     if (from.apart && to.apart) viewer().zoom(Math.log(to.apart / from.apart) * 9.5);
@@ -69,9 +72,9 @@ export function hands(places, room) {
   };
   const end = (event) => {
     if (!down.delete(event.pointerId)) return;
-    const held = stroking;
+    const held = !!stroking;
     const tapped = held && !dragged && event.type === "pointerup" && event.pointerType === "touch";
-    if (tapped && tool()?.paints()) tool().stroke(...at(event));
+    if (tapped && stroking === tool() && stroking.paints()) stroking.stroke(...at(event));
     letGo();
     if (down.size) from = middle();
     else if (!dragged && !held && event.type === "pointerup" && event.target === places[0]) tool()?.click(...at(event), event);

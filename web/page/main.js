@@ -22,6 +22,8 @@ function showRoom(view) {
 }
 
 async function goHome() {
+  // They are about the room that is left.
+  for (const dialog of document.querySelectorAll("dialog[open]")) dialog.close();
   music.leave();
   delete dataset.empty;
   delete dataset.bare;
@@ -69,18 +71,27 @@ const order = ({ name }) => (["text", "project"].includes(kind(name)) ? 0 : 1);
 /** The file by the name by which others may ask for it. */
 const composed = (file) => (file.name === base(file.name) ? file : new File([file], base(file.name)));
 
-const open = attempt(async (brought) => {
+/** A film that waits for its pictures has the shape and the song with which it began. */
+function refuseWhileFilmed() {
   if (isFilmed()) throw new Error("A film waits for its pictures: open files once it is done, or stop it.");
+}
+
+const open = attempt(async (brought) => {
+  refuseWhileFilmed();
   const files = withoutCompanions(brought.map(composed));
   const [songs, lists] = ["song", "list"].map((wanted) => files.filter(({ name }) => kind(name) === wanted));
   const beside = await meshesBesideProjects(files);
   const came = new Set(beside.keys());
   for (const file of files.toSorted((a, b) => order(a) - order(b))) {
     const isTaken = came.has(file.name) && !beside.has(file.name);
-    if (![...songs, ...lists].includes(file) && !isTaken) await takeFile(file, beside);
+    if ([...songs, ...lists].includes(file) || isTaken) continue;
+    // It may have begun while the files before this one were opened.
+    refuseWhileFilmed();
+    await takeFile(file, beside);
   }
   const { inOrder, missing } = await inOrderOf(lists, songs);
   if (inOrder.length) {
+    refuseWhileFilmed();
     await Promise.all([enterMusic(), music.openSongs(inOrder)]);
   }
   if (missing.length) throw new Error(`${lists[0].name}: a page finds no files by itself. Open these together with the list: ${missing.slice(0, 5).join(", ")}${missing.length > 5 ? `, and ${missing.length - 5} more` : ""}.`);

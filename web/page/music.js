@@ -23,7 +23,7 @@ import { sampleHarmonics } from "./harmonics.js";
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
 const harmonicsOf = (bytes) => (bytes < 4e6 ? 128 : 64);
-/** The plate at night, so that words can be read over it. */
+/** The plate at night, so that words can be read over it; in the order in which states name its parts. */
 const FRONT = JSON.stringify({ material: "dark", lights: "studio", background: "night" });
 /** The gallery on a screen of this width. */
 const gallerySize = () => (innerWidth < 700 ? 6 : 12);
@@ -70,8 +70,15 @@ async function bodyOf(name) {
   return (await busy(label(name), (tell) => ask({ work: "prepare", name, harmonics: sampleHarmonics(label(name)) }, tell))).body;
 }
 
+/** Another shape has dances of its own, at the knobs of the concert before, and in a look that was chosen; that of the front
+ * is the plate's. Gives the songs that it has heard. */
+function goOnAs(next) {
+  if (concert) next.go_on_from(concert, JSON.stringify(state.looks) !== FRONT);
+  return [];
+}
+
 /** Lets a body dance. `begin(concert)` gives the songs that the new concert has heard; where it throws, the one before stays. */
-function show(body, begin = () => []) {
+function show(body, begin = goOnAs) {
   const before = concert;
   const next = new Concert(body, gallerySize(), Math.floor(Math.random() * 2 ** 31));
   let songsHeard;
@@ -534,7 +541,7 @@ export async function front() {
     parked = { concert, heard: [...heard], edits, staying };
     concert = undefined;
   }
-  show(body);
+  show(body, () => []);
   atFront = concert;
   concert.set_look(FRONT);
   concert.zoom(-1);

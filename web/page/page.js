@@ -119,6 +119,12 @@ export const label = (name) => name.replace("sample:", "");
 
 export const on = (id, act) => of(id).addEventListener("click", attempt(act));
 
+/** The whole number in a field, within its bounds; 0 where there is none. Browsers hold keys to no bounds. */
+export function within({ value, min, max }) {
+  const number = Math.round(Number(value));
+  return number && Math.min(Math.max(number, Number(min)), Number(max));
+}
+
 export const capitalized = (name) => name[0].toUpperCase() + name.slice(1);
 
 export const options = (names, value) => names.map((name) => new Option(capitalized(name), value(name)));

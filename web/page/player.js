@@ -118,7 +118,8 @@ const ofTheList = {
   takesOut: attempt(async (song) => {
     if (song === wanted) passOver();
     const next = songs.takeOut(song);
-    if (next) await playSong(next, false);
+    // One that was asked for comes all the same.
+    if (next) await playSong(wanted ?? next, !!wanted);
     else {
       repeatAsChosen();
       goOn();

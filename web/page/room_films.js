@@ -65,6 +65,8 @@ const stage = {
   begin: () => {
     if (room.microphone()) throw new Error("A film of a song needs a song: stop listening first.");
     if (room.concert().plays_show()) throw new Error("A show is played: stop it first, or have chladni dance --show film it.");
+    // Not even the tune, which may still be decoded.
+    if (!room.sound.samples) throw new Error("There is no song yet: film it once one is heard.");
     room.forget();
     const clock = shows.clockSecs(performance.now());
     filmed = { from: clock, clock, position: room.sound.position(), aloud: room.sound.isHeard, playing: room.sound.playing };

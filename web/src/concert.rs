@@ -17,8 +17,8 @@ use std::sync::Arc;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Dancer, Ensemble, Framing, GalleryShape, Instrument, Looks, Parameter, Parameters, Reaction, Veil,
-    Viewpoint,
+    Dancer, Ensemble, FileRef, Framing, GalleryShape, Instrument, Looks, Parameter, Parameters, Reaction,
+    Veil, Viewpoint,
 };
 use chladni_program::work::{
     Error, Hearing, KnownSong, Lag, Playing, Programme, Recent, SandTable, ShowClock, Staging, along,
@@ -44,6 +44,8 @@ pub struct Concert {
     /// How the body was found to stand, and what was set in its place.
     found: Orientation,
     given: Option<Orientation>,
+    /// The body that the show names which was opened or played last.
+    shows_body: Option<FileRef>,
     hearing: Hearing,
     /// The live input in place of a song.
     live: Option<Live>,
@@ -70,6 +72,11 @@ pub struct Concert {
     /// Its songs, by number.
     songs: Vec<ShowSong>,
     stage: Stage,
+}
+
+/// A file's name without its folders, whatever system wrote them.
+fn base(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
 /// The effect of beat and sound on one picture.
@@ -124,6 +131,7 @@ impl Concert {
             viewpoint: opening_view(&name),
             took_ms: [0.0; 2],
             songs: Vec::new(),
+            shows_body: None,
             name,
         })
     }
@@ -148,7 +156,8 @@ impl Concert {
         self.songs.resize_with(self.songs.len().max(number + 1), ShowSong::default);
         let known = &mut self.songs[number];
         song.beats = Some(read_beats(&beats, known.reading));
-        (known.name, known.beats) = (name, Some(beats));
+        known.call(name);
+        known.beats = Some(beats);
         let is_news = self.hearing.song(number).is_none_or(|known| known.beats.is_none());
         let was_heard = self.hearing.stretches().any(|stretch| stretch.song == Some(number));
         self.hearing.know(number, song);

@@ -161,7 +161,7 @@ export async function motion() {
 export async function large() {
   for (const [name, viewport, text] of [["phone-zoomed", { width: 195, height: 422 }, false], ["laptop-large-text", { width: 1280, height: 800 }, true], ["phone-large-text", { width: 390, height: 844 }, true]]) {
     const { page, wrong, shot } = await opened(viewport, false);
-    if (text) await page.addStyleTag({ content: ":root { font-size: 187.5% !important; }" });
+    if (text) await page.evaluate(() => document.documentElement.style.setProperty("font-size", "187.5%", "important"));
     await page.waitForTimeout(300);
     await shot(`${name}-front`);
     for (const id of ["enter", "exaggerate", "hold-still", "bring"]) {

@@ -54,6 +54,23 @@ export async function lostTune() {
   step("the tune that was lost comes when it is to be heard");
 }
 
+/** No film is made of a song that is not there. */
+export async function withoutSong() {
+  const context = await browser.newContext({ viewport: LAPTOP });
+  const page = await context.newPage();
+  await page.addInitScript(holdsBack);
+  await page.addInitScript(() => { window.holds = "decode sample:tune"; });
+  await page.goto(address);
+  await page.click("#enter");
+  await dances(page, "sample:octopus");
+  await page.click("#film-song");
+  await page.click("#film-begin");
+  await says(page, "There is no song yet");
+  await until(page, () => !document.getElementById("whole-film").open);
+  await context.close();
+  step("a film of a song waits until there is one");
+}
+
 /** A slow network, and a broken one: what cannot be done yet says so, and the reason of a failure stays. */
 export async function slowly() {
   const context = await browser.newContext({ viewport: LAPTOP, serviceWorkers: "block" });

@@ -10,6 +10,13 @@ mkdirSync(screens, { recursive: true });
 export const { address, stop } = await serve(folder);
 export const browser = await launch(out);
 const WAIT = { timeout: 180_000 };
+/** What the page's Content-Security-Policy has refused. */
+const refused = [];
+/** Has a page write that to its console. */
+export const tellsRefused = () => addEventListener("securitypolicyviolation", ({ effectiveDirective, blockedURI }) =>
+  console.error(`The policy refuses ${blockedURI}, by ${effectiveDirective}`));
+/** The pages that were opened have kept their policy. */
+export const keepsPolicy = () => assert.deepEqual(refused, []);
 export const step = (text) => console.log(`web: ${text}`);
 
 export async function opened(viewport, touch, { within = browser, at = address, query = "", prepare, reducedMotion, answers = () => true } = {}) {
@@ -17,7 +24,10 @@ export async function opened(viewport, touch, { within = browser, at = address, 
   const page = await context.newPage();
   const wrong = [];
   const elsewhere = [];
-  page.on("console", (message) => { if (message.type() === "error") wrong.push(message.text()); });
+  page.on("console", (message) => {
+    if (message.type() === "error") wrong.push(message.text());
+    if (message.text().startsWith("The policy refuses")) refused.push(message.text());
+  });
   page.on("pageerror", (error) => wrong.push(error.message));
   page.on("request", (request) => {
     const { url } = { url: request.url() };
@@ -25,6 +35,7 @@ export async function opened(viewport, touch, { within = browser, at = address, 
     assert.equal(request.method(), "GET", "nothing is uploaded");
   });
   page.on("dialog", (dialog) => (answers(dialog.type()) ? dialog.accept() : dialog.dismiss()));
+  await page.addInitScript(tellsRefused);
   if (prepare) await page.addInitScript(prepare);
   await page.goto(at + query);
   // A plate that stands still is drawn once.

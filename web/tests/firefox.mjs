@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { head, launchFirefox, pixels, song, torus } from "../browser.mjs";
-import { address, differs, drop, out, screens, state, step } from "./driver.mjs";
+import { address, differs, drop, out, screens, state, step, tellsRefused } from "./driver.mjs";
 
 const WAIT = { timeout: 180_000 };
 const pause = (secs) => new Promise((done) => setTimeout(done, 1000 * secs));
@@ -16,6 +16,7 @@ export async function firefox() {
     const wrong = [];
     page.on("console", (message) => { if (message.type() === "error") wrong.push(message.text()); });
     page.on("pageerror", (error) => wrong.push(error.message));
+    await page.evaluateOnNewDocument(tellsRefused);
     // What was bred may go.
     page.on("dialog", (dialog) => dialog.accept());
     await page.setViewport({ width: 1440, height: 900 });

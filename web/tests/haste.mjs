@@ -313,6 +313,15 @@ export async function songs() {
   await page.evaluate(() => { window.breaks = undefined; });
   step("a song stays where its worker stops");
 
+  // The one that plays is taken out while another is decoded.
+  await holdBack(page, "decode next.wav");
+  await page.click('#song-list .name:has-text("next.wav")');
+  await isHeldBack(page);
+  await page.click('#song-list [aria-label="Take late.wav out of the list"]');
+  await comesLate(page);
+  await songIs(page, "3 of 4: next.wav");
+  step("a song that was asked for comes where the one that plays is taken out");
+
   // A pause while a device begins.
   const isPlaying = await page.evaluate(async () => {
     const { Sound } = await import("./sound.js");
@@ -365,6 +374,24 @@ export async function films() {
   await downloaded(page, "#film");
   assert.ok(!(await asks()));
   step("nothing comes into a film, and nobody loses one without a question");
+
+  // A show whose shape is awaited does not leave its place to the song beside it.
+  const show = readFileSync(await downloaded(page, "#save-show"), "utf8").replaceAll("sample:octopus", "sample:bell");
+  await drop(page, ["long.wav", song(60)]);
+  await until(page, () => /long.wav$/.test(document.getElementById("song").textContent));
+  const filmed = await songNow(page);
+  await holdBack(page, "bell.body");
+  await drop(page, ["show.toml", Buffer.from(show)], ["beside.wav", song(2)]);
+  await isHeldBack(page);
+  await page.click("#film-song");
+  await page.click("#film-begin");
+  await until(page, () => /^Picture/.test(document.getElementById("film-left").textContent));
+  await release(page);
+  await says(page, "A film waits for its pictures");
+  assert.deepEqual([await body(page), await songNow(page)], ["sample:octopus", filmed]);
+  await page.click("#film-cancel");
+  await until(page, () => !document.getElementById("whole-film").open);
+  step("files that were opened before a film do not come into it");
   await ends(opening);
 }
 
@@ -487,6 +514,15 @@ async function galleries(page) {
   await until(page, () => window.chladni.wall.groups[0][1]);
   assert.ok(await page.evaluate(() => window.chladni.wall.items.every(({ chosen, favorite }) => !chosen && !favorite)));
   step("a gallery is given up while it opens, and presses wait for figures that are seen");
+  // It makes room for the models, and these for the original.
+  const press = (id) => page.evaluate((id) => document.getElementById(id).click(), id);
+  await press("models");
+  await until(page, () => !window.chladni.wall && window.chladni.sitting.in_models);
+  await press("original");
+  await until(page, () => window.chladni.sitting.bare && !window.chladni.sitting.in_models);
+  await press("original");
+  await until(page, () => !window.chladni.sitting.bare);
+  step("the models and the original are seen where a gallery was");
 }
 
 const PROJECT = Buffer.from(`format_version = 4
@@ -574,5 +610,19 @@ export async function projects() {
   await release(page);
   await acts(page);
   step("of two meshes the second is asked about while the first is solved");
+  // In a project a template by the name of the shape would be the shape itself.
+  await drop(page, ["one.obj", head(20, 14)]);
+  await page.click('#which button[value="template"]');
+  await says(page, "one.obj has the name of the shape");
+  assert.equal(await page.evaluate(() => window.chladni.sitting.layers.length), 1);
+  // It has no more harmonics than vertices.
+  for (const [typed, wanted, found] of [["999999", 2048, 362], ["-1", 16, 16]]) {
+    await page.fill("#wanted-harmonics", typed);
+    await page.press("#wanted-harmonics", "Enter");
+    await until(page, (wanted) => window.chladni.sitting.wanted_harmonics === wanted, wanted);
+    assert.equal(await page.inputValue("#wanted-harmonics"), String(wanted));
+    await says(page, `one.obj: 362 vertices, ${found} harmonics`);
+  }
+  step("a template of the shape's name is refused, and numbers of harmonics stay within bounds");
   await ends(opening);
 }

@@ -233,7 +233,8 @@ async function ownColors(page) {
   assert.ok(await told(), "the octopus brings no colors");
   await drop(page, ["skinned.glb", skinned(60, 30)]);
   await until(page, () => window.chladni.state.body === "skinned.glb");
-  // A new shape comes in a look of its own.
+  // A look that was chosen stays.
+  assert.equal((await state(page)).looks.palette, "own");
   await page.selectOption("#look", "plain");
   await page.selectOption("#look-palette", "own");
   assert.ok(!(await told()), "this shape does");
@@ -457,6 +458,11 @@ export async function phone() {
   await until(page, () => document.body.dataset.view === "front");
   await page.tap("#enter");
   assert.equal(await page.evaluate(() => history.length), entries, "one entry stands for all visits");
+  await page.tap("#film-song");
+  await page.waitForSelector("#whole-film[open]");
+  await page.goBack();
+  await until(page, () => document.body.dataset.view === "front");
+  assert.equal(await page.locator("dialog[open]").count(), 0, "what is asked about a room goes with it");
   step("Back leads from a room to the front");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();

@@ -67,6 +67,7 @@ export async function dances() {
   await page.waitForTimeout(500);
   const later = await saved(page);
   assert.ok(later.lasts > first.lasts, "a show goes on where it ended");
+  assert.ok(later.text.includes('"/home/somebody/My Music/clicks.wav"'), "its song lies where it lay");
   await page.click("#play-show");
   await until(page, () => window.chladni.state.played && window.chladni.state.generation === 0);
   await page.click("#play-show");
@@ -76,6 +77,37 @@ export async function dances() {
   await page.click("#sand");
   await until(page, () => !window.chladni.state.sand && !window.chladni.state.on_stage);
   step("a show whose song lies elsewhere is played, and its sand is swept off");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
+/** Another shape has dances of its own; the settings and a chosen look stay. */
+export async function settings() {
+  const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false);
+  const dancesOn = async (name) => {
+    await page.selectOption("#shape", name);
+    await until(page, (name) => window.chladni.state.body === name, name);
+  };
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus");
+  await dancesOn("sample:bell");
+  assert.deepEqual((await state(page)).looks, { look: "gold" }, "nobody has chosen another");
+  await page.click("#more");
+  await page.evaluate(() => { for (const each of document.querySelectorAll("#drawer details")) each.open = true; });
+  await page.selectOption("#gallery-size", "9");
+  await page.selectOption("#form", "modal");
+  await page.selectOption("#timbre", "bell");
+  await page.locator("#knobs").getByRole("checkbox", { name: "In any field of view", exact: true }).check();
+  await page.selectOption("#look", "ember");
+  const before = await state(page);
+  assert.ok(before.settings.switches["flash-fields"]);
+  await page.click("#sand");
+  await until(page, () => window.chladni.state.sand);
+  await dancesOn("sample:cat");
+  const { settings: after, looks, dances: items, sand } = await state(page);
+  assert.deepEqual({ after, looks }, { after: before.settings, looks: { look: "ember" } });
+  assert.deepEqual([items.length, sand], [9, false]);
+  step("knobs, switches, form, timbre, look and the size of the gallery stay when another shape dances");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }
@@ -282,6 +314,15 @@ export async function layers() {
   await page.click("#wall-others");
   await until(page, (name) => window.chladni.wall.items[0].name !== name, names[0]);
   step("unsaved layers are asked for, the focus stays, and a cancel leaves what rests");
+
+  // Back leaves no question behind, nor one that waits for its answer.
+  await drop(page, ["three.obj", head(22, 14)]);
+  await page.waitForSelector("#which[open]");
+  await drop(page, ["four.obj", head(22, 16)]);
+  await page.goBack();
+  await until(page, () => document.body.dataset.view === "front");
+  await page.waitForTimeout(300);
+  assert.equal(await page.locator("dialog[open]").count(), 0);
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }

@@ -126,9 +126,9 @@ export async function flashes() {
 /** A show that is open before its song: dances take turns by what is heard meanwhile, and by all beats once the song comes. */
 export async function withoutSong() {
   const { page, wrong, elsewhere } = await opened({ width: 640, height: 480 }, false);
-  const { meanwhile, after, cautions } = await page.evaluate(async () => {
+  const { meanwhile, after, cautions, looks, body } = await page.evaluate(async () => {
     const { Concert } = await import("./chladni_web.js");
-    const body = new Uint8Array(await (await fetch("bodies/plate.body")).arrayBuffer());
+    const plate = new Uint8Array(await (await fetch("bodies/plate.body")).arrayBuffer());
     const beats_secs = Array.from({ length: 200 }, (_, i) => i / 2);
     const none = { bars: [], sections: [], energy: [] };
     const beats = JSON.stringify({ tempo_bpm: 120, beats_secs, confidence: 1, other_octaves_bpm: [60, 240], ...none });
@@ -139,7 +139,7 @@ export async function withoutSong() {
       concert.go_on(secs, number, secs, 100);
       return concert.staged();
     });
-    const danced = new Concert(body, 6, 1);
+    const danced = new Concert(plate, 6, 1);
     know(danced, 0);
     play(danced, 0, 0, 30);
     const act = (action) => danced.act(JSON.stringify(action));
@@ -147,7 +147,7 @@ export async function withoutSong() {
     act({ do: "switch", switch: "beat-steps", on: true });
     act({ do: "perform-gallery", first: 0 });
     play(danced, 0, 30, 31);
-    const show = new Concert(body, 6, 1);
+    const show = new Concert(plate, 6, 1);
     show.open_show(danced.save_show());
     know(show, 1);
     const meanwhile = new Set(play(show, 1, 0, 20)).size;
@@ -158,14 +158,28 @@ export async function withoutSong() {
     const actions = [...chosen, done('do = "breed"')];
     const bred = `format_version = 2\nseed = 1\nsize = 6\nactions = [${actions}]\n`;
     const cautions = [show.harmonics(), 512].map((count) => show.open_show(`harmonics = ${count}\n${bred}`));
+    const looks = ["open_show", "play_show"].map((begins) => {
+      show.set_look('{"look":"ember"}');
+      show[begins](bred);
+      return JSON.parse(show.state()).looks;
+    });
+    // As the desktop names a mesh: in a folder, and with its hash.
+    const file = (path) => `[body]\npath = "${path}"\nblake3 = "${"0".repeat(64)}"\n`;
+    const body = ["shapes/sample:plate", "shapes/other.obj"].map((path) => {
+      show.open_show(`${bred}${file(path)}`);
+      return /\[body\]\n((?:.+\n)*)/.exec(show.save_show())[1];
+    });
     danced.free();
     show.free();
-    return { meanwhile, after, cautions };
+    return { meanwhile, after, cautions, looks, body };
   });
   assert.ok(!cautions[0]);
   assert.match(cautions[1], /bred with 512 harmonics/);
   assert.ok(meanwhile > 3, `${meanwhile} dances without the song`);
   assert.equal(after, 5, "after the 2 beats in the show and the 40 since");
+  assert.deepEqual(looks, [{ look: "ember" }, { look: "ember" }], "a show that names no look keeps the one that is shown");
+  assert.match(body[0], /^path = "shapes\/sample:plate"\nblake3 = "0{64}"\n/, "a body keeps its folder");
+  assert.equal(body[1].trim(), 'path = "sample:plate"', "it is not danced on that mesh");
   step("a show that is open before its song goes on, and is right once that comes");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();

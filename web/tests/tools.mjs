@@ -108,6 +108,9 @@ async function heat(page, shot) {
   await page.press("#harmonic", "Enter");
   await until(page, () => window.chladni.sitting.heat.harmonic === 9);
   assert.ok(differing(first, await still(page)) > 60, "another harmonic is seen");
+  await page.fill("#harmonic", "-3");
+  await page.press("#harmonic", "Enter");
+  await until(page, () => window.chladni.sitting.heat.harmonic === 0);
   // A browser that translates the page gives the choices other names.
   await page.selectOption("#heat", { label: names[0] });
   const harmonic = names.indexOf("A harmonic");
@@ -150,10 +153,25 @@ async function brush(page) {
   assert.equal(await press("fill component"), 0, "all that is connected is erased");
   await page.uncheck("#erase");
   await page.uncheck("#fill");
+  step("the brush paints with half its intensity, and fills");
+  // A stroke ends where the room is left in its middle.
+  const [x, y] = [box.x + 0.5 * box.width, box.y + 0.3 * box.height];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.goBack();
+  await until(page, () => document.body.dataset.view === "front");
+  await page.mouse.up();
+  await page.click("#exaggerate");
+  const first = await half();
+  await page.mouse.click(x, y + 0.2 * box.height);
+  const both = await half();
+  assert.ok(first > 0 && both > first, `${first} are painted, then ${both}`);
+  await page.click("#undo");
+  assert.equal(await half(), first, "the second stroke is a step of its own");
   await page.fill("#brush-intensity", "1");
   await page.click("#everywhere");
   await page.click("#hold-turn");
-  step("the brush paints with half its intensity, and fills");
+  step("a stroke ends where the room is left");
 }
 
 async function masks(page) {

@@ -1,8 +1,9 @@
 // What people do in another order than one would think.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
+import { basename } from "node:path";
 import { head, song } from "../browser.mjs";
-import { downloaded, drop, opened, step, until } from "./driver.mjs";
+import { address, browser, downloaded, downloading, drop, opened, step, until } from "./driver.mjs";
 
 const click = (page, selector) => page.locator(selector).dispatchEvent("click");
 
@@ -148,11 +149,32 @@ export async function caricature() {
   const source = PROJECT.toString().replace('"dent.obj"', "'D:\\Shapes\\b\u00fcste.obj'");
   await drop(page, ["bu\u0308ste.obj", MESH], ["bust.chladni", Buffer.from(source)]);
   await until(page, () => window.chladni.sitting?.shape.endsWith("b\u00fcste.obj") && window.chladni.sitting.solved);
+  const saving = downloading(page);
+  await click(page, "#save-project");
+  assert.equal(basename(await saving), "bust.chladni", "a project keeps its name");
   step("a project waits for its mesh, they may come together, and names say which is which");
   await drop(page, ["broken.wav", Buffer.from("no sound")]);
   await until(page, () => document.getElementById("status").textContent.startsWith("broken.wav: not a sound"));
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
+}
+
+/** The page runs no code but that of its own files. */
+export async function policy() {
+  // It is to be broken here.
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  await page.goto(address);
+  const ran = await page.evaluate(async () => {
+    const script = document.createElement("script");
+    script.textContent = "window.ran = true";
+    document.head.append(script);
+    const isImported = await import("data:text/javascript,").then(() => true, () => false);
+    return [!!window.ran, isImported];
+  });
+  assert.deepEqual(ran, [false, false]);
+  await context.close();
+  step("the page runs no code but its own");
 }
 
 /** Once the module has stopped in the middle of a picture nothing more is drawn, and only that is said. */

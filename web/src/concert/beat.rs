@@ -5,12 +5,13 @@ use chladni_program::work::{Error, read_beats};
 use chladni_sound::{Beats, Spectrum};
 use wasm_bindgen::prelude::*;
 
-use super::Concert;
+use super::{Concert, base};
 
 /// A song of the show.
 #[derive(Default)]
 pub(super) struct ShowSong {
-    pub name: String,
+    /// As a show file names it, which may be in folders that the page does not see.
+    file: FileRef,
     /// As they were found; none before the song was decoded.
     pub beats: Option<Beats>,
     /// How they are read.
@@ -18,16 +19,23 @@ pub(super) struct ShowSong {
 }
 
 impl ShowSong {
+    /// It is the file of this name; if the show means that one, its path stays.
+    pub fn call(&mut self, name: String) {
+        if base(&self.file.path) != name {
+            self.file = FileRef { path: name, blake3: None };
+        }
+    }
+
     /// As a show file names it.
     pub fn reference(&self) -> SongRef {
-        let file = FileRef { path: self.name.clone(), blake3: None };
-        SongRef { reading: self.reading, ..SongRef::of(file) }
+        SongRef { reading: self.reading, ..SongRef::of(self.file.clone()) }
     }
 }
 
 impl From<SongRef> for ShowSong {
     fn from(song: SongRef) -> Self {
-        Self { name: song.path, beats: None, reading: song.reading }
+        let file = FileRef { path: song.path, blake3: song.blake3 };
+        Self { file, beats: None, reading: song.reading }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Actions of a person in a concert.
 
-use chladni_music::{Action, Describer, Moment, Switch, experiment, suggest, without_sand};
-use chladni_program::work::{Error, Programme, opening_view};
+use chladni_music::{Action, Describer, Instrument, Moment, Switch, experiment, suggest, without_sand};
+use chladni_program::work::{Error, Programme, opening_looks, opening_view};
 use chladni_view::Camera;
 use wasm_bindgen::prelude::*;
 
@@ -41,6 +41,35 @@ impl Concert {
         let gallery = self.instrument.gallery();
         let seed = if other_seed { gallery.next_seed() } else { gallery.seed() };
         Ok(self.act(Action::NewGallery { seed, size })?)
+    }
+
+    /// Begins anew with the form, the knobs and the switches of another concert, and with as many dances. What sand and the
+    /// autopilot have set there is as it was before them. Where it `keeps_look`, a look that was chosen there stays, but
+    /// not the one in which its shape was shown first.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn go_on_from(&mut self, before: &Concert, keeps_look: bool) -> Result<(), JsError> {
+        let (seed, size) = (self.instrument.seed(), before.instrument.gallery().items().len());
+        let parameters = before.instrument.parameters().clone();
+        let shape = self.instrument.shape().clone();
+        // An instrument of its own, so that no show has these actions.
+        let mut set_back = Instrument::beginning_with(parameters, seed, size, shape.clone())?;
+        let piloted = before.programme.iter().flat_map(|programme| programme.end(&before.instrument));
+        for action in piloted.filter(|action| !matches!(action, Action::GoTo { .. })) {
+            set_back.apply(Moment::default(), action)?;
+        }
+        if set_back.parameters().is_on(Switch::Sand) {
+            for action in without_sand(&before.before_sand.clone().unwrap_or_default()) {
+                set_back.apply(Moment::default(), action)?;
+            }
+        }
+        self.instrument = Instrument::beginning_with(set_back.parameters().clone(), seed, size, shape)?;
+        self.hearing.tune(0.0, self.instrument.parameters());
+        if keeps_look && before.looks != opening_looks(&before.name) {
+            self.looks = before.looks.clone();
+        }
+        Ok(())
     }
 
     /// Breeds the chosen dances; where children are suggested, the best of two hundred, which takes a second or more.

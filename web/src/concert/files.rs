@@ -5,8 +5,8 @@ use chladni_program::work::{Hearing, ShowClock, cautions, is_like_a_show};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
-use super::Concert;
 use super::beat::ShowSong;
+use super::{Concert, base};
 
 /// A preset, or a show with the files that the page has to find by itself.
 #[derive(Serialize)]
@@ -54,15 +54,15 @@ pub fn needs_of_text(text: &str) -> Result<String, JsError> {
 
 #[wasm_bindgen]
 impl Concert {
-    /// The show so far, as the text of a show file.
+    /// The show so far, as the text of a show file. Files that a show names which was opened keep their folders.
     ///
     /// # Errors
     /// Bugs only.
     pub fn save_show(&self) -> Result<String, JsError> {
-        let file = |path: &str| FileRef { path: path.to_owned(), blake3: None };
+        let named = self.shows_body.clone().filter(|file| base(&file.path) == self.name);
         let show = Show {
             stands: self.given,
-            body: Some(file(&self.name)),
+            body: named.or_else(|| Some(FileRef { path: self.name.clone(), blake3: None })),
             looks: Some(self.looks.clone()),
             viewpoint: self.viewpoint,
             songs: self.songs.iter().map(ShowSong::reference).collect(),
@@ -74,9 +74,9 @@ impl Concert {
         Ok(show.to_text()?)
     }
 
-    /// Goes on where a show ended: its gallery, its knobs, its look, its time and what was heard until then. What it was
-    /// danced on, and what is heard from now on, is up to the page ([`needs_of_text`]), which numbers songs as the show does.
-    /// Gives a warning where its dances are others with the harmonics here.
+    /// Goes on where a show ended: its gallery, its knobs, its look if it names one, its time and what was heard until then.
+    /// What it was danced on, and what is heard from now on, is up to the page ([`needs_of_text`]), which numbers songs as
+    /// the show does. Gives a warning where its dances are others with the harmonics here.
     ///
     /// # Errors
     /// Text that is not a show, and a show that cannot be danced here.
@@ -92,7 +92,10 @@ impl Concert {
         self.hearing.tune(at_secs, self.instrument.parameters());
         self.songs = show.songs.into_iter().map(ShowSong::from).collect();
         self.viewpoint = show.viewpoint;
-        self.looks = show.looks.unwrap_or_default();
+        self.shows_body = show.body;
+        if let Some(looks) = show.looks {
+            self.looks = looks;
+        }
         // Its songs are not known yet, and the count begins without their beats.
         self.count_beats()?;
         Ok(caution)

@@ -48,7 +48,10 @@ impl Concert {
             ends_secs: ends_secs.max(last_secs),
         });
         self.viewpoint = show.viewpoint;
-        self.looks = show.looks.unwrap_or_default();
+        self.shows_body = show.body;
+        if let Some(looks) = show.looks {
+            self.looks = looks;
+        }
         (self.programme, self.before_sand, self.live) = (None, None, None);
         (self.hearing, self.clock) = (Hearing::default(), ShowClock::default());
         self.hearing.know_clock(show.clock);
