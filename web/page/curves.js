@@ -1,6 +1,6 @@
 // The curves of the dance on stage, which a hand draws: which harmonic each sound band drives, and how strongly each
 // harmonic answers.
-import { draw_curve, smooth_curve } from "./chladni_web.js";
+import { draw_curve, draw_step, smooth_curve } from "./chladni_web.js";
 import * as drawn from "./drawn.js";
 import { attempt, of } from "./page.js";
 
@@ -22,7 +22,8 @@ export function listen(act, begin) {
     };
     Object.assign(curve, {
       draw,
-      put: (x, y, step) => draw([x + step, y], [x, y]),
+      width: drawn.STEP,
+      put: (x, y) => { curve.values = draw_step(curve.values, low, high, x, drawn.STEP, low + y * (high - low)); },
       height: () => (valueAt(curve) - low) / (high - low),
       paint: () => paint(curve),
       done: () => act({ do: `set-${curve.id}`, item, [curve.id]: [...curve.values] }),
@@ -52,10 +53,13 @@ export function show(curves) {
   }
 }
 
-const valueAt = ({ values, at }) => values[Math.min(values.length - 1, Math.floor(at * values.length))];
+const valueAt = (curve) => {
+  const { values } = curve;
+  return values[Math.min(values.length - 1, Math.floor(drawn.middle(curve) * values.length))];
+};
 
 function paint(curve) {
-  const { values, at, range: [low, high], color } = curve;
+  const { values, range: [low, high], color } = curve;
   if (!values) return;
   const canvas = of(curve.id);
   const { brush, dot, x, y } = drawn.plane(canvas, curve);
@@ -68,5 +72,5 @@ function paint(curve) {
   values.forEach((value, i) => brush.lineTo(x(i / Math.max(1, values.length - 1)), height(value)));
   brush.stroke();
   canvas.setAttribute("aria-valuenow", valueAt(curve).toFixed(2));
-  canvas.setAttribute("aria-valuetext", `${valueAt(curve).toFixed(2)} at ${Math.round(100 * at)} %`);
+  canvas.setAttribute("aria-valuetext", `${valueAt(curve).toFixed(2)} at ${Math.round(100 * drawn.middle(curve))} %`);
 }

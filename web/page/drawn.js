@@ -4,15 +4,24 @@ import { hasModifier } from "./page.js";
 
 /** Arrow keys go so many steps across a curve, and so many up. */
 const [ACROSS, UP] = [32, 20];
+/** The width of a step across. */
+export const STEP = 1 / ACROSS;
 /** Pixels between a curve and its frame. */
 const EDGE = 8;
 
 const within = (value) => Math.min(1, Math.max(0, value));
 
+/** The middle of what keys change. */
+export const middle = ({ at, width }) => at + width / 2;
+
+/** Keys change what begins at a place. */
+const go = (curve, at) => { curve.at = Math.min(1 - curve.width, within(at)); };
+
 /**
- * `curve` has the height that it has at `at`, `height()`; `draw(from, to)` draws between two places, the same where a stroke
- * begins, and gives from where it goes on; `put(x, y, step)` changes it at a place alone; `done()` ends either; `paint()`
- * shows it. While a hand draws, it is `held`. `left` and `below` are pixels beside and under the curve that are not its own.
+ * Keys change a part of `curve`, from `at` on, of this `width`: a `STEP`, or 0 for a point. In its middle the curve has the
+ * height `height()`; `draw(from, to)` draws between two places, the same where a stroke begins, and gives from where it goes
+ * on; `put(x, y)` gives the part around x a height; `done()` ends either; `paint()` shows it. While a hand draws, it is
+ * `held`. `left` and `below` are pixels beside and under the curve that are not its own.
  */
 export function listen(canvas, curve, { left: aside = 0, below = 0 } = {}) {
   curve.at ??= 0;
@@ -25,7 +34,7 @@ export function listen(canvas, curve, { left: aside = 0, below = 0 } = {}) {
   };
   const stroke = (from, to) => {
     last = curve.draw(from, to);
-    [curve.at] = to;
+    go(curve, to[0] - curve.width / 2);
     curve.paint();
   };
   canvas.addEventListener("pointerdown", (event) => {
@@ -52,9 +61,9 @@ export function listen(canvas, curve, { left: aside = 0, below = 0 } = {}) {
     const rise = { ArrowUp: 1, ArrowDown: -1 }[event.key];
     if ((!side && !rise) || hasModifier(event)) return;
     event.preventDefault();
-    if (side) curve.at = Math.min(1 - 1 / ACROSS, within(curve.at + side / ACROSS));
+    if (side) go(curve, curve.at + side * STEP);
     else {
-      curve.put(curve.at, within(curve.height() + rise / UP), 1 / ACROSS);
+      curve.put(middle(curve), within(curve.height() + rise / UP));
       curve.done();
     }
     curve.paint();
@@ -78,6 +87,9 @@ export function plane(canvas, curve, { left = 0, below = 0 } = {}) {
   brush.clearRect(0, 0, width, height);
   brush.fillStyle = "#ffffff18";
   // Where the keys are.
-  if (document.activeElement === canvas) brush.fillRect(x(curve.at), y(1), x(1 / ACROSS) - x(0), y(0) - y(1));
+  if (document.activeElement === canvas) {
+    const wide = Math.max(2 * devicePixelRatio, x(curve.width) - x(0));
+    brush.fillRect(x(middle(curve)) - wide / 2, y(1), wide, y(0) - y(1));
+  }
   return { brush, dot: devicePixelRatio, x, y };
 }

@@ -14,7 +14,9 @@ let plot;
 const isShown = () => of("drawn-scale").open && !!plot;
 
 const curve = {
-  height: () => room.sitting().scale_height(curve.at),
+  // Keys change a point.
+  width: 0,
+  height: () => room.sitting().scale_height(drawn.middle(curve)),
   draw: (from, to) => {
     stir();
     const begins = from === to;
@@ -65,7 +67,7 @@ function paint() {
   for (const [height, name] of gains) brush.fillText(name, x(0) - 4 * dot, y(height) + 4 * dot);
   brush.textAlign = "center";
   for (const [place, name] of waves) brush.fillText(name, x(place), y(0) + 15 * dot);
-  const words = room.sitting().scale_words(curve.at);
+  const words = room.sitting().scale_words(drawn.middle(curve));
   canvas.setAttribute("aria-valuenow", curve.height().toFixed(2));
   canvas.setAttribute("aria-valuetext", words);
   of("scale-words").textContent = words;

@@ -75,8 +75,8 @@ impl Watcher for Reporter<'_> {
         let text = match warning {
             // The page has no options.
             Warning::InDoubt { name, stands } => {
-                let way_out = "Up, among the parts of the look, says otherwise";
-                format!("{name}: shown with {stands}, which is in doubt: {way_out}.")
+                let way_out = "set it with Up, among the parts of the look";
+                format!("{name}: shown with {stands}, which is in doubt; {way_out}.")
             }
             warning => warning.to_string(),
         };

@@ -138,6 +138,13 @@ impl Dancer {
         })
     }
 
+    /// The same dancer, of the same `body`, which stands otherwise.
+    #[must_use]
+    pub fn standing(&self, body: &Body, stands: &Orientation) -> Self {
+        let sides = Sides::of(body, &self.classes, stands);
+        Self { swing: Swing::of(body, &self.classes, &sides), sides, ..self.clone() }
+    }
+
     /// K.
     pub fn harmonics(&self) -> usize {
         self.eigenvalues.len()

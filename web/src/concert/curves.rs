@@ -76,6 +76,21 @@ pub fn draw_curve(
     values
 }
 
+/// The values of a curve between `low` and `high` whose part of this `width` around `middle` gets a height; the two in
+/// [0, 1], the height a value.
+#[wasm_bindgen]
+pub fn draw_step(
+    mut values: Vec<f32>,
+    low: f32,
+    high: f32,
+    middle: f32,
+    width: f32,
+    height: f32,
+) -> Vec<f32> {
+    drawn_curve::draw_step(&mut values, (low, high), middle, width, height);
+    values
+}
+
 /// The same curve, smoother.
 #[wasm_bindgen]
 pub fn smooth_curve(mut values: Vec<f32>) -> Vec<f32> {

@@ -74,9 +74,9 @@ impl Concert {
         Ok(show.to_text()?)
     }
 
-    /// Goes on where a show ended: its gallery, its knobs, its look if it names one, its time and what was heard until then.
-    /// What it was danced on, and what is heard from now on, is up to the page ([`needs_of_text`]), which numbers songs as
-    /// the show does. Gives a warning where its dances are others with the harmonics here.
+    /// Goes on where a show ended: its gallery, its knobs, its look if it names one, its time and what was heard until
+    /// then. What it was danced on, and what is heard from now on, is up to the page ([`needs_of_text`]), which numbers
+    /// songs as the show does. Gives a warning where its dances are others with the harmonics here.
     ///
     /// # Errors
     /// Text that is not a show, and a show that cannot be danced here.
@@ -84,7 +84,7 @@ impl Concert {
         let show = Show::from_text(text)?;
         let caution = show.caution_on(self.harmonics());
         self.instrument = show.replay(self.instrument.shape().clone())?;
-        self.stand_as_in(&show)?;
+        self.stand_as_in(&show);
         let at_secs = show.ends_secs();
         (self.programme, self.script, self.before_sand, self.live) = (None, None, None, None);
         self.hearing = Hearing::continued(&show.heard, show.clock, at_secs);

@@ -36,7 +36,7 @@ impl Concert {
     pub fn play_show(&mut self, text: &str) -> Result<(), JsError> {
         let show = Show::from_text(text)?;
         self.instrument = show.begin(self.instrument.shape().clone())?;
-        self.stand_as_in(&show)?;
+        self.stand_as_in(&show);
         let ends_secs = show.ends_secs();
         let first =
             Stretch { at_secs: 0.0, song: Some(0), song_secs: 0.0, playing: true, crossfade_secs: 0.0 };

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use chladni_mesh::{Axis, Orientation};
-use chladni_music::{Dancer, Show};
-use chladni_program::work::Error;
+use chladni_music::Show;
 use wasm_bindgen::prelude::*;
 
 use super::Concert;
@@ -17,15 +16,13 @@ impl Concert {
     /// A name that no axis has.
     pub fn stand(&mut self, up: &str) -> Result<(), JsError> {
         let given = if up.is_empty() { None } else { Some(self.staging.stands().with_up(up.parse()?)) };
-        Ok(self.stand_as(given)?)
+        self.stand_as(given);
+        Ok(())
     }
 
     /// Another side of the body is the front: the next one around.
-    ///
-    /// # Errors
-    /// Bugs only.
-    pub fn turn_front(&mut self) -> Result<(), JsError> {
-        Ok(self.stand_as(Some(self.staging.stands().quarters(1)))?)
+    pub fn turn_front(&mut self) {
+        self.stand_as(Some(self.staging.stands().quarters(1)));
     }
 }
 
@@ -37,19 +34,20 @@ impl Concert {
     }
 
     /// The body stands as in a show, if that is its own.
-    pub(super) fn stand_as_in(&mut self, show: &Show) -> Result<(), Error> {
+    pub(super) fn stand_as_in(&mut self, show: &Show) {
         let body = show.body.as_ref().and_then(|body| body.path.rsplit(['/', '\\']).next());
-        if body == Some(self.name.as_str()) { self.stand_as(show.stands) } else { Ok(()) }
+        if body == Some(self.name.as_str()) {
+            self.stand_as(show.stands);
+        }
     }
 
-    fn stand_as(&mut self, given: Option<Orientation>) -> Result<(), Error> {
+    fn stand_as(&mut self, given: Option<Orientation>) {
         let stands = given.unwrap_or(self.found);
         if stands != self.staging.stands() {
-            let dancer = Arc::new(Dancer::new(&self.body, &self.ensemble.dancer().classes, &stands)?);
+            let dancer = Arc::new(self.ensemble.dancer().standing(&self.body, &stands));
             self.ensemble.give_to(Arc::clone(&dancer));
             self.staging.stand(dancer, stands);
         }
         self.given = given;
-        Ok(())
     }
 }

@@ -1,9 +1,9 @@
 //! Context menus that keys open, too.
 
-use egui::{Key, Modifiers, Popup, Response, SetOpenCommand, Ui};
+use egui::{FocusDirection, Key, Modifiers, Popup, Response, SetOpenCommand, Ui};
 
 /// Shows `contents` as the menu of a control: at the pointer once the secondary button clicks it, and beside it once it has
-/// the focus and the Menu key or Shift+F10 is pressed.
+/// the focus and the Menu key or Shift+F10 is pressed. The focus then goes to the menu's first entry.
 pub fn show(response: &Response, contents: impl FnOnce(&mut Ui)) {
     let ctx = &response.ctx;
     let asked = response.has_focus()
@@ -19,7 +19,14 @@ pub fn show(response: &Response, contents: impl FnOnce(&mut Ui)) {
     if by_keys && !response.secondary_clicked() {
         menu = menu.anchor(response);
     }
-    let is_closed = menu.show(contents).is_some_and(|shown| shown.response.should_close());
+    let shown = menu.show(|ui| {
+        contents(ui);
+        // Enter would click the control itself.
+        if by_keys && response.has_focus() && !ui.is_sizing_pass() {
+            ui.memory_mut(|memory| memory.move_focus(FocusDirection::Down));
+        }
+    });
+    let is_closed = shown.is_some_and(|shown| shown.response.should_close());
     if is_closed && by_keys && !ctx.input(|input| input.pointer.any_click()) {
         response.request_focus();
     }
@@ -54,7 +61,6 @@ mod tests {
         window.run_steps(3);
         for (modifiers, key) in [(Modifiers::NONE, Key::Menu), (Modifiers::SHIFT, Key::F10)] {
             assert!(press(&mut window, modifiers, key), "{key:?}");
-            assert!(press(&mut window, Modifiers::NONE, Key::ArrowDown));
             assert!(!press(&mut window, Modifiers::NONE, Key::Enter));
             assert!(window.get_by_label("Row").accesskit_node().is_focused());
         }

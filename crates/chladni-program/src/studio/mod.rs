@@ -16,6 +16,7 @@ mod device;
 mod effort;
 mod error;
 mod file_window;
+mod fitting;
 mod focus;
 mod folders;
 mod handover;
@@ -65,6 +66,7 @@ pub use processor_window::Painter;
 pub use settings::Settings;
 
 use closing::Closing;
+use fitting::Fitting;
 use keys::window::{FULL_SCREEN, HELP, SWITCH_ROOM};
 use notices::Notices;
 use pictures::Pictures;
@@ -104,10 +106,7 @@ pub struct Studio {
     closing: Closing,
     /// Nobody has chosen preferences yet.
     first_run: bool,
-    /// The zoom of the last frame.
-    last_zoom: f32,
-    /// The zoom for which the system knows the smallest size of the window.
-    smallest_at: f32,
+    fitting: Fitting,
     /// Cancelled where the system asks the program to end.
     ends: Option<Task>,
 }
@@ -209,8 +208,7 @@ impl Studio {
             key_sheet_open: false,
             closing: Closing::No,
             first_run,
-            last_zoom: 0.0,
-            smallest_at: 0.0,
+            fitting: Fitting::default(),
             ends,
         };
         if let Some(ends) = &studio.ends {

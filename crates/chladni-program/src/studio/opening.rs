@@ -34,8 +34,8 @@ const SHORTEST: Duration = Duration::from_secs(10);
 
 /// Opens the window on the start screen, or on `files` where some are given, and returns when it is closed. With a
 /// measure it closes by itself when all is counted, and with a first picture as soon as that is shown; it closes,
-/// too, once `ends` is cancelled. The set goes to `output` from its first picture on. Where the processor draws, it paints the window, too. If the graphics device is
-/// lost, another window goes on with the same rooms.
+/// too, once `ends` is cancelled. The set goes to `output` from its first picture on. Where the processor draws, it paints
+/// the window, too. If the graphics device is lost, another window goes on with the same rooms.
 pub fn open(
     mut files: Vec<PathBuf>,
     mut live: Option<Live>,

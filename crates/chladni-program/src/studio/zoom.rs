@@ -23,26 +23,14 @@ impl Studio {
             self.settings.zoom = 1.0;
         }
         if ZOOM_OUT.pressed_anywhere(ctx) {
-            self.settings.zoom = (self.settings.zoom / STEP).max(0.5);
+            // From the size that is seen, which may be all that the screen has room for.
+            self.settings.zoom = (self.settings.zoom.min(ctx.zoom_factor()) / STEP).max(0.5);
         }
     }
 
     /// Draws in the size of the preferences from now on, as far as the screen has room for it.
     pub(super) fn zoom(&mut self, ctx: &egui::Context) {
-        let zoom = ctx.zoom_factor();
-        let differ = |a: f32, b: f32| (a - b).abs() > 1e-3;
-        // In the first frame of a zoom the screen is still measured in points of the one before.
-        if differ(std::mem::replace(&mut self.last_zoom, zoom), zoom) {
-            ctx.request_repaint();
-            return;
-        }
-        let screen = ctx.input(|input| input.viewport().monitor_size).map(|points| points * zoom);
-        let fitting = fitting(self.settings.zoom, screen);
-        if differ(zoom, fitting) {
-            ctx.set_zoom_factor(fitting);
-        } else if differ(std::mem::replace(&mut self.smallest_at, zoom), zoom) {
-            ctx.send_viewport_cmd(egui::ViewportCommand::MinInnerSize(SMALLEST.into()));
-        }
+        self.fitting.zoom(ctx, self.settings.zoom, SMALLEST);
     }
 
     /// Larger controls, as far as the window has room for them.
@@ -68,31 +56,6 @@ impl Studio {
                 let pixels = egui::Vec2::from(WINDOW) * 1.5;
                 ctx.send_viewport_cmd(egui::ViewportCommand::InnerSize(pixels));
             }
-        }
-    }
-}
-
-/// `zoom`, or the largest at which a `screen`, in points without zoom, has room for the smallest window.
-fn fitting(zoom: f32, screen: Option<egui::Vec2>) -> f32 {
-    let screen = screen.filter(|size| size.min_elem() > 0.0);
-    let room = screen.map_or(zoom, |size| (size / egui::Vec2::from(SMALLEST)).min_elem());
-    zoom.min(room.max(0.5))
-}
-
-#[cfg(test)]
-mod tests {
-    use egui::vec2;
-
-    use super::*;
-
-    #[test]
-    fn letters_are_no_larger_than_the_screen_has_room_for() {
-        assert_eq!(fitting(1.5, Some(vec2(1366.0, 768.0))), 1.28);
-        assert_eq!(fitting(1.5, Some(vec2(1920.0, 1080.0))), 1.5);
-        assert_eq!(fitting(1.1, Some(vec2(1366.0, 768.0))), 1.1);
-        assert_eq!(fitting(1.0, Some(vec2(320.0, 200.0))), 0.5);
-        for unknown in [None, Some(vec2(0.0, 0.0))] {
-            assert_eq!(fitting(2.0, unknown), 2.0);
         }
     }
 }

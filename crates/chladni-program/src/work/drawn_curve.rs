@@ -18,6 +18,14 @@ pub fn draw(values: &mut [f32], range: (f32, f32), from: [f32; 2], to: [f32; 2])
     changed
 }
 
+/// Sets the values whose middles lie in a step of `width` around `middle`, and at least the one there, to `height`; true
+/// where one changed. Steps side by side leave each other's values alone.
+pub fn draw_step(values: &mut [f32], range: (f32, f32), middle: f32, width: f32, height: f32) -> bool {
+    // Slightly less than half a value, so that rounding leaves out none that lies between two steps.
+    let half = (0.5 * width - 0.499 / values.len().max(1) as f32).max(0.0);
+    draw(values, range, [middle - half, height], [middle + half, height])
+}
+
 /// The mean of each value and its neighbors, three times: what "smooth" does.
 pub fn smooth(values: &mut [f32]) {
     for _ in 0..3 {
@@ -45,6 +53,20 @@ mod tests {
         assert!(draw(&mut one, (0.0, 1.0), [0.0, 0.1], [1.0, 7.0]));
         assert_eq!(one, [1.0]);
         assert!(!draw(&mut [], (0.0, 1.0), [0.0, 0.0], [1.0, 1.0]));
+    }
+
+    #[test]
+    fn steps_side_by_side_set_all_values_and_leave_those_between_them_alone() {
+        for count in [1, 5, 31, 32, 33, 48, 50, 64, 500] {
+            let mut values = vec![0.5_f32; count];
+            for middle in (0..32).map(|step| (step as f32 + 0.5) / 32.0) {
+                let there = values[(middle * count as f32) as usize];
+                // More values than steps: the last step has not changed what is read in this one.
+                assert!(count < 32 || there == 0.5, "{middle} of {count}");
+                draw_step(&mut values, (0.0, 1.0), middle, 1.0 / 32.0, 0.75);
+            }
+            assert!(values.iter().all(|value| *value == 0.75), "{count}: {values:?}");
+        }
     }
 
     #[test]

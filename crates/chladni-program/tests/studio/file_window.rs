@@ -14,17 +14,29 @@ use crate::driving::painted::Painted;
 use crate::driving::person::Desk;
 use crate::driving::{control, screenshot};
 
+type Answer = Rc<RefCell<Vec<PathBuf>>>;
+
 /// The file window on a folder with two meshes and another in a folder of its own, and its answer.
-fn file_window(desk: &Desk, purpose: Purpose) -> (Harness<'static, FileWindow>, Rc<RefCell<Vec<PathBuf>>>) {
+fn file_window(desk: &Desk, purpose: Purpose) -> (Harness<'static, FileWindow>, Answer) {
+    file_window_with(desk, purpose, Settings::default())
+}
+
+/// The same with other preferences.
+fn file_window_with(
+    desk: &Desk,
+    purpose: Purpose,
+    settings: Settings,
+) -> (Harness<'static, FileWindow>, Answer) {
     std::fs::create_dir(desk.path("sculptures")).unwrap();
     std::fs::copy(desk.path("shape.obj"), desk.path("sculptures/bust.obj")).unwrap();
     let answer = Rc::new(RefCell::new(Vec::new()));
     let given = answer.clone();
     let kinds = vec![("Meshes".to_owned(), vec!["obj".to_owned()])];
     let request = Request { purpose, kinds, start: desk.folder.path().to_owned() };
-    let mut window = Harness::builder().with_size([640.0, 520.0]).renderer(Painted::default()).build_eframe(
-        move |creation| FileWindow::new(&creation.egui_ctx, request, &Settings::default(), given),
-    );
+    let mut window = Harness::builder()
+        .with_size([640.0, 520.0])
+        .renderer(Painted::default())
+        .build_eframe(move |creation| FileWindow::new(&creation.egui_ctx, request, &settings, given));
     window.run_steps(3);
     (window, answer)
 }
@@ -99,6 +111,23 @@ fn what_is_typed_after_files_were_picked_counts_and_enter_on_cancel_is_no_answer
     window.key_press(Key::Enter);
     window.run_steps(2);
     assert_eq!(*answer.borrow(), [desk.path("sculptures/bust.obj")]);
+}
+
+#[test]
+fn letters_of_the_file_window_fit_the_screen() {
+    let desk = Desk::new();
+    let settings = Settings { zoom: 3.0, ..Settings::default() };
+    let (mut window, _) = file_window_with(&desk, Purpose::Open, settings);
+    let screen = vec2(700.0, 520.0);
+    for _ in 0..8 {
+        let points = screen / window.ctx.zoom_factor();
+        let viewports = &mut window.input_mut().viewports;
+        viewports.entry(egui::ViewportId::ROOT).or_default().monitor_size = Some(points);
+        window.run_steps(1);
+    }
+    // 360 points of the smallest window and 80 of frames and bars fill the height.
+    let zoom = window.ctx.zoom_factor();
+    assert!((zoom - 440.0 / 360.0).abs() < 1e-3, "{zoom}");
 }
 
 #[test]

@@ -402,6 +402,26 @@ fn letters_grow_as_far_as_the_window_has_room() {
 }
 
 #[test]
+fn letters_shrink_from_the_largest_that_the_screen_has_room_for() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.0.set_size(egui::vec2(2000.0, 1280.0));
+    // Room for the smallest window, 600 points high, at 1.05.
+    let screen = egui::vec2(1200.0, 710.0);
+    for (key, expected) in [(Key::Plus, 1.05), (Key::Minus, 1.05 / 1.1)] {
+        person.0.key_press_modifiers(CTRL, key);
+        for _ in 0..8 {
+            let points = screen / person.0.ctx.zoom_factor();
+            let viewports = &mut person.0.input_mut().viewports;
+            viewports.entry(egui::ViewportId::ROOT).or_default().monitor_size = Some(points);
+            person.0.run_steps(1);
+        }
+        let zoom = person.0.ctx.zoom_factor();
+        assert!((zoom - expected).abs() < 1e-3, "{key:?}: {zoom}");
+    }
+}
+
+#[test]
 fn the_first_mesh_takes_the_place_of_the_sample_that_nobody_chose() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&[]);

@@ -16,6 +16,9 @@ use crate::work::scale_plot::{self, Spectrum, gain_in_words, percent, share_of_a
 /// How near the pointer must be to take hold of a point, in window points.
 const GRIP: f32 = 9.0;
 
+/// The width of what a key changes: one point.
+const POINT: f32 = 0.0;
+
 /// How the pointer edits the curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pen {
@@ -31,8 +34,8 @@ pub enum Pen {
 pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &Spectrum) -> Response {
     let size = vec2(ui.available_width(), 180.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-    let keys = CurveKeys::of(ui, &response);
-    let there = keys.map(|keys| wave_at(f64::from(keys.at)));
+    let keys = CurveKeys::of(ui, &response, POINT);
+    let there = keys.map(|keys| wave_at(f64::from(keys.middle())));
     response.widget_info(|| egui::WidgetInfo {
         current_text_value: Some(there.map_or_else(|| in_words(curve), |wave| there_in_words(curve, wave))),
         ..egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Scale curve")
@@ -49,8 +52,16 @@ pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &Spectrum) 
             Pen::Points => drag_points(ui, &response, plot.curve, curve),
             Pen::Free => draw_freely(ui, &response, plot.curve, curve),
         }
+        let pointer = response.interact_pointer_pos().filter(|_| *curve != before);
+        if let Some(at) = pointer {
+            let [wavelength, _] = from_screen(plot.curve, at);
+            CurveKeys::follow(ui, &response, POINT, share_of_axis(wavelength) as f32);
+        }
     }
     if let (Some(keys), Some(wave)) = (keys.filter(|keys| keys.rise != 0.0), there) {
+        let is_there = |other: &f64| (share_of_axis(*other) - share_of_axis(wave)).abs() < GAP;
+        // A point that is there already is moved.
+        let wave = curve.points.iter().map(|point| point[0]).find(is_there).unwrap_or(wave);
         let height = scale_plot::height_of(curve.at(wave)) + f64::from(keys.rise);
         curve.set_point(wave, scale_plot::gain_at(height));
     }
@@ -240,6 +251,35 @@ mod tests {
         assert!((moved - 0.1).abs() < 1e-6, "{moved}");
         assert_eq!(window.state().points.len(), count + 1);
         window.state().validate().unwrap();
+    }
+
+    #[test]
+    fn arrow_keys_reach_the_finest_waves() {
+        let mut window = window();
+        window.get_by_label("Scale curve").focus();
+        window.run_steps(3);
+        for key in [egui::Key::ArrowRight; 40].into_iter().chain([egui::Key::ArrowUp]) {
+            window.key_press(key);
+            window.run_steps(1);
+        }
+        let [wavelength, gain] = window.state().points.last().copied().unwrap();
+        assert!(share_of_axis(wavelength) > 0.999 && gain > 0.0, "×{gain} at {wavelength}");
+        window.state().validate().unwrap();
+    }
+
+    #[test]
+    fn arrow_keys_go_on_from_the_point_that_the_pointer_moved() {
+        let mut window = window();
+        let plot = Plot::within(window.get_by_label("Scale curve").rect());
+        let grip = to_screen(plot.curve, ScaleCurve::mid().points[2]);
+        drag(&mut window, grip, grip + vec2(15.0, 30.0));
+        let [wavelength, gain] = window.state().points[2];
+        window.get_by_label("Scale curve").focus();
+        window.run_steps(3);
+        window.key_press(egui::Key::ArrowUp);
+        window.run_steps(2);
+        let raised = scale_plot::height_of(window.state().at(wavelength)) - scale_plot::height_of(gain);
+        assert!((raised - 0.05).abs() < 1e-3, "{raised}");
     }
 
     #[test]

@@ -20,6 +20,7 @@ pub use browser::{Purpose, Request};
 
 use super::device::graphics_window;
 use super::error::StudioError;
+use super::fitting::Fitting;
 use super::focus;
 use super::folders::Folders;
 use super::icon::{self, Icon};
@@ -32,6 +33,9 @@ use browser::{Browser, Entry, MAX_ENTRIES, Verdict};
 
 /// The name of the command that opens the window; see `ask`.
 pub const COMMAND: &str = "choose-file";
+
+/// The fewest points on which everything has room.
+const SMALLEST: [f32; 2] = [460.0, 360.0];
 
 /// Asks in a separate process, whose window is drawn as `draw` says, and waits; empty if the user cancels.
 pub fn ask(request: &Request, draw: Draw) -> io::Result<Vec<PathBuf>> {
@@ -53,7 +57,7 @@ pub fn open(request: Request, draw: Draw) -> Result<Vec<PathBuf>, StudioError> {
         .with_title(title(request.purpose))
         .with_app_id("chladni")
         .with_inner_size([640.0, 520.0])
-        .with_min_inner_size([460.0, 360.0]);
+        .with_min_inner_size(SMALLEST);
     // Unreadable preferences are reported in the main window.
     let settings =
         Folders::of_user().settings.and_then(|path| Settings::load(&path).ok()).unwrap_or_default();
@@ -89,6 +93,9 @@ pub struct FileWindow {
     /// Folders to jump to, with their icons.
     places: Vec<(Icon, PathBuf)>,
     light: bool,
+    /// The zoom of the preferences.
+    zoom: f32,
+    fitting: Fitting,
     said: Option<String>,
     /// The button says that it replaces a file.
     replaces: bool,
@@ -126,6 +133,8 @@ impl FileWindow {
             browser,
             places,
             light: settings.light,
+            zoom: settings.zoom,
+            fitting: Fitting::default(),
             said: None,
             replaces: false,
             begun: false,
@@ -311,6 +320,7 @@ impl Program for FileWindow {
     fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(if self.light { egui::Theme::Light } else { egui::Theme::Dark });
+        self.fitting.zoom(&ctx, self.zoom, SMALLEST);
         if ctx.input(|input| input.key_pressed(Key::Escape)) {
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }

@@ -3,9 +3,9 @@
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
 use crate::studio::author_id::AuthorId;
-use crate::studio::curve_keys::{self, CurveKeys};
+use crate::studio::curve_keys::{CurveKeys, STEP};
 use crate::studio::theme;
-use crate::work::drawn_curve::draw;
+use crate::work::drawn_curve::{draw, draw_step};
 
 /// Color of transfers on the dark of a cell.
 pub const TRANSFER: Color32 = Color32::from_rgb(120, 190, 220);
@@ -35,9 +35,9 @@ pub struct Plot<'a> {
 pub fn edit(ui: &mut Ui, rect: Rect, plot: &Plot<'_>, values: &mut [f32]) -> Response {
     let id = ui.scope_id().with(plot.name);
     let response = ui.interact(rect, id, Sense::click_and_drag());
-    let keys = CurveKeys::of(ui, &response);
+    let keys = CurveKeys::of(ui, &response, STEP);
     response.widget_info(|| egui::WidgetInfo {
-        current_text_value: keys.map(|keys| in_words(values, keys.at)),
+        current_text_value: keys.map(|keys| in_words(values, keys.middle())),
         ..egui::WidgetInfo::labeled(egui::Role::Canvas, true, plot.name)
     });
     let mut response = response.author_id(plot.id);
@@ -54,13 +54,14 @@ pub fn edit(ui: &mut Ui, rect: Rect, plot: &Plot<'_>, values: &mut [f32]) -> Res
             response.mark_changed();
         }
         ui.data_mut(|data| data.insert_temp(id, point));
+        CurveKeys::follow(ui, &response, STEP, point[0]);
     } else {
         ui.data_mut(|data| data.remove_temp::<[f32; 2]>(id));
     }
     if let Some(keys) = keys.filter(|keys| keys.rise != 0.0) {
         let (low, high) = plot.range;
-        let value = value_at(values, keys.at) + keys.rise * (high - low);
-        if draw(values, plot.range, [keys.at + curve_keys::STEP, value], [keys.at, value]) {
+        let value = value_at(values, keys.middle()) + keys.rise * (high - low);
+        if draw_step(values, plot.range, keys.middle(), STEP, value) {
             response.mark_changed();
         }
     }
@@ -144,23 +145,64 @@ mod tests {
 
     use super::*;
 
-    #[test]
-    fn arrow_keys_choose_a_place_of_the_curve_and_change_it_there() {
-        let panel = |ui: &mut Ui, values: &mut [f32; 64]| {
+    /// A window with a curve of `count` values in the middle of its range.
+    fn window(count: usize) -> Harness<'static, Vec<f32>> {
+        let panel = |ui: &mut Ui, values: &mut Vec<f32>| {
             let plot = Plot { id: "curve/t", name: "t", range: (0.0, 1.0), color: TRANSFER, behind: &[] };
             let rect = Rect::from_min_size(Pos2::ZERO, vec2(300.0, 100.0));
             edit(ui, rect, &plot, values);
             let _ = ui.button("Another");
         };
-        let mut window = Harness::builder().with_size(vec2(320.0, 200.0)).build_ui_state(panel, [0.5; 64]);
+        Harness::builder().with_size(vec2(320.0, 200.0)).build_ui_state(panel, vec![0.5; count])
+    }
+
+    /// Gives the curve the focus and presses `keys`.
+    fn press(window: &mut Harness<'static, Vec<f32>>, keys: &[Key]) {
         window.get_by_label("t").focus();
         window.run_steps(3);
-        for key in [Key::ArrowRight, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown, Key::ArrowDown] {
-            window.key_press(key);
+        for key in keys {
+            window.key_press(*key);
             window.run_steps(2);
         }
+    }
+
+    #[test]
+    fn arrow_keys_choose_a_place_of_the_curve_and_change_it_there() {
+        let mut window = window(64);
+        press(&mut window, &[Key::ArrowRight, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown, Key::ArrowDown]);
         let values = window.state();
         assert!((values[4] - 0.45).abs() < 1e-5 && values[4] == values[5], "{values:?}");
-        assert!(values[..4].iter().chain(&values[7..]).all(|value| *value == 0.5), "{values:?}");
+        assert!(values[..4].iter().chain(&values[6..]).all(|value| *value == 0.5), "{values:?}");
+    }
+
+    #[test]
+    fn steps_side_by_side_are_raised_alike() {
+        let mut window = window(50);
+        press(&mut window, &[Key::ArrowUp, Key::ArrowRight, Key::ArrowUp, Key::ArrowRight, Key::ArrowUp]);
+        let values = window.state();
+        assert!(values[..5].iter().all(|value| (value - 0.55).abs() < 1e-5), "{values:?}");
+        assert!(values[5..].iter().all(|value| *value == 0.5), "{values:?}");
+    }
+
+    #[test]
+    fn keys_go_on_where_the_pointer_has_drawn() {
+        let mut window = window(64);
+        let at = inside(Rect::from_min_size(Pos2::ZERO, vec2(300.0, 100.0))).center();
+        window.hover_at(at);
+        for pressed in [true, false] {
+            let button = egui::PointerButton::Primary;
+            window.event(egui::Event::PointerButton {
+                pos: at,
+                button,
+                pressed,
+                modifiers: egui::Modifiers::NONE,
+            });
+            window.run_steps(2);
+        }
+        press(&mut window, &[Key::ArrowUp]);
+        let values = window.state();
+        assert!(values[31] == values[32] && (values[31] - 0.55).abs() < 1e-5, "{values:?}");
+        let mut others = values[..31].iter().chain(&values[33..]);
+        assert!(others.all(|value| (value - 0.5).abs() < 1e-5), "{values:?}");
     }
 }

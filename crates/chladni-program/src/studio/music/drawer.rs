@@ -81,8 +81,8 @@ impl Drawers {
                 self.shelf.show(ui, instrument, shared.notices, wishes);
             }
             Drawer::Look => {
-                // The controls edit the preferences, so these hold the look that is seen while they are drawn. If nothing was
-                // changed, the show's own look goes back; otherwise the autopilot's look ends.
+                // The controls edit the preferences, so these hold the look that is seen while they are drawn. If nothing
+                // was changed, the show's own look goes back; otherwise the autopilot's look ends.
                 let of_show = shared.settings.music.looks();
                 let seen = look::seen(instrument, of_show.clone());
                 shared.settings.music.look_like(&seen);

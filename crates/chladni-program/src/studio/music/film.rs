@@ -226,7 +226,8 @@ impl Filming {
         self.running.as_ref().map(Job::label)
     }
 
-    /// Cancels the film being made, so that nothing half written stays, except finished frames in a folder: the window closes.
+    /// Cancels the film being made, so that nothing half written stays, except finished frames in a folder: the window
+    /// closes.
     pub fn stop(&mut self) {
         if let Some(running) = self.running.take() {
             running.stop();

@@ -27,7 +27,7 @@ impl MusicRoom {
             (Wish::Experiment, Some(concert)) => {
                 concert.end_piloting().and_then(|()| concert.act_all(concert.experiment()))
             }
-            (Wish::Stand(given), Some(concert)) => concert.stand(given),
+            (Wish::Stand(given), Some(concert)) => return concert.stand(given),
             (Wish::Show(view), Some(concert)) => return concert.look_at(view),
             (Wish::TryOut(preset), Some(concert)) => return concert.try_out(&preset),
             (Wish::Mark { right, down }, Some(concert)) => return concert.mark_neighbor(right, down),

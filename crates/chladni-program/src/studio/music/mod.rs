@@ -222,8 +222,8 @@ impl MusicRoom {
             match warning {
                 Warning::InDoubt { .. } if is_said => {}
                 Warning::InDoubt { .. } => {
-                    let way_out = "the arrow beside the scene, in the drawer Look, says otherwise";
-                    shared.notices.warn(format!("{warning}: {way_out}"));
+                    let way_out = "set it with the arrow beside the scene, in the drawer Look";
+                    shared.notices.warn(format!("{warning}; {way_out}"));
                 }
                 warning => shared.notices.warn(warning),
             }

@@ -329,7 +329,7 @@ impl Concert {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: self.ensemble.dancer().eigenvalues.clone(), bands };
         self.instrument = show.replay(shape)?;
-        self.stand(show.stands)?;
+        self.stand(show.stands);
         // It played the other show.
         (self.piloted, self.marked) = (None, None);
         // Items of another show may have the same numbers.
@@ -367,8 +367,8 @@ impl Concert {
         self.song_title = before.song_title;
     }
 
-    /// Sets all up for sand where a flat sheet takes the place of a body, and takes that back where a body takes the place of
-    /// a sheet.
+    /// Sets all up for sand where a flat sheet takes the place of a body, and takes that back where a body takes the place
+    /// of a sheet.
     fn strew_on_sheets(&mut self, was_flat: bool) -> Result<(), Error> {
         let lies = self.instrument.parameters().is_on(Switch::Sand);
         let actions = match (was_flat, self.staging.is_flat()) {

@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use chladni_mesh::Orientation;
-use chladni_music::Dancer;
 
 use super::Concert;
 use crate::studio::standing::Standing;
-use crate::work::Error;
 
 impl Concert {
     /// How the body stands.
@@ -17,18 +15,16 @@ impl Concert {
 
     /// The body stands as `given` from now on, or as it was found where nothing is given. All goes on, seen from there;
     /// the half that is the viewer's left then hears the left channel.
-    pub fn stand(&mut self, given: Option<Orientation>) -> Result<(), Error> {
+    pub fn stand(&mut self, given: Option<Orientation>) {
         let (before, standing) = (self.standing.now(), Standing { given, ..self.standing });
         let stands = standing.now();
         if stands != before {
-            let (body, classes) = (self.harmonics.body(), &self.ensemble.dancer().classes);
-            let dancer = Arc::new(Dancer::new(body, classes, &stands)?);
+            let dancer = Arc::new(self.ensemble.dancer().standing(self.harmonics.body(), &stands));
             self.ensemble.give_to(Arc::clone(&dancer));
             self.apart.iter_mut().for_each(|apart| apart.give_to(Arc::clone(&dancer)));
             self.staging.stand(dancer, stands);
         }
         self.standing = standing;
-        Ok(())
     }
 }
 
@@ -54,7 +50,7 @@ mod tests {
         let show = Show::of(concert.instrument());
         assert!(left_half(&concert) < 0.0);
         let behind = Orientation::Y_UP.quarters(2);
-        concert.stand(Some(behind)).unwrap();
+        concert.stand(Some(behind));
         assert_eq!((concert.staging.stands(), concert.standing().given), (behind, Some(behind)));
         assert!(left_half(&concert) < 0.0);
         assert_eq!(concert.instrument().log(), show.actions);
@@ -64,7 +60,7 @@ mod tests {
         assert_eq!(other.staging.stands(), Orientation::Y_UP);
         other.replay(&Show { stands: Some(behind), ..show }).unwrap();
         assert_eq!(other.staging.stands(), behind);
-        other.stand(None).unwrap();
+        other.stand(None);
         assert_eq!(other.staging.stands(), Orientation::Y_UP);
     }
 }
