@@ -88,14 +88,14 @@ type Row = (Target, Kind, &'static str, &'static str);
 /// All targets except the knobs and switches, which have tables of their own.
 const TABLE: [Row; 48] = [
     (Target::Harmonics, Kind::Level, "harmonics", "Harmonics in use"),
-    (Target::Crossfade, Kind::Level, "crossfade", "From the dance on stage to the one that is next"),
+    (Target::Crossfade, Kind::Level, "crossfade", "From the dance on stage to the next"),
     (Target::Volume, Kind::Level, "volume", "Loudness of the songs"),
     (Target::SongFade, Kind::Level, "song-fade", "Crossfade between songs, up to 12 s"),
-    (Target::Blur, Kind::Level, "blur", "Depth of field: how soft is what is not in focus"),
+    (Target::Blur, Kind::Level, "blur", "Depth of field"),
     (Target::Form, Kind::Choice, "form", "Form"),
     (Target::Choir, Kind::Choice, "choir", "Which harmonics sound"),
     (Target::Look, Kind::Choice, "look", "Look"),
-    (Target::Palette, Kind::Choice, "palette", "Palette; `own`: the colors that the shape brings"),
+    (Target::Palette, Kind::Choice, "palette", "Palette; own: the shape's colors"),
     (Target::Material, Kind::Choice, "material", "Material"),
     (Target::Lights, Kind::Choice, "lights", "Light"),
     (Target::Background, Kind::Choice, "background", "Background"),

@@ -66,8 +66,22 @@ impl Notices {
 
     /// A warning in the place of the last one on the same `matter`, which it outdates.
     pub fn update(&mut self, matter: &'static str, text: impl Display) {
+        self.replace(matter, Severity::Warning, text.to_string());
+    }
+
+    /// Good news in the place of the last notice on the same `matter`.
+    pub fn settle(&mut self, matter: &'static str, text: impl Display) {
+        self.replace(matter, Severity::Done, text.to_string());
+    }
+
+    /// The last notice on a `matter` holds no longer.
+    pub fn withdraw(&mut self, matter: &'static str) {
         self.shown.retain(|notice| notice.matter != Some(matter));
-        self.push(Severity::Warning, text.to_string());
+    }
+
+    fn replace(&mut self, matter: &'static str, severity: Severity, text: String) {
+        self.withdraw(matter);
+        self.push(severity, text);
         if let Some(notice) = self.shown.last_mut() {
             notice.matter = Some(matter);
         }
@@ -184,5 +198,18 @@ mod tests {
         assert_eq!((texts(&notices).len(), texts(&notices).last().unwrap().as_str()), (MOST + 1, "later"));
         (0..9).for_each(|i| notices.error(format!("another {i}")));
         assert!(texts(&notices).len() == MOST && texts(&notices).contains(&"another 8".to_owned()));
+    }
+
+    #[test]
+    fn good_news_takes_the_place_of_the_warning_and_what_holds_no_longer_goes() {
+        let mut notices = Notices::default();
+        let all = |notices: &Notices| -> Vec<(Severity, String)> {
+            notices.shown.iter().map(|notice| (notice.severity, notice.text.clone())).collect()
+        };
+        notices.update("sound", "No sound");
+        notices.update("harmonics", "32 are in use");
+        notices.settle("harmonics", "64 are in use");
+        notices.withdraw("sound");
+        assert_eq!(all(&notices), [(Severity::Done, "64 are in use".to_owned())]);
     }
 }

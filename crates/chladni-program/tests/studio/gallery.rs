@@ -2,7 +2,7 @@
 
 use chladni_caricature::Project;
 use egui::Key;
-use egui_kittest::kittest::NodeT;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::CTRL;
 use crate::driving;
@@ -16,6 +16,13 @@ fn caricatures_are_chosen_bred_and_taken_as_layers_in_one_step() {
     person.press(Key::G);
     person.wait_to_see("Caricature 12");
     person.screenshot("studio-gallery.png");
+    let is_lock = |id: &str| id.starts_with("lock/");
+    let locks = person.0.query_all_by(move |node| node.author_id().is_some_and(is_lock));
+    let heights: Vec<f32> = locks.map(|lock| lock.rect().height()).collect();
+    assert!(
+        heights.len() > 1 && heights.iter().all(|height| *height < 40.0),
+        "a word is broken: {heights:?}"
+    );
     person.click("caricature/3");
     person.wait_to_see("Breed 1");
     person.press(Key::ArrowRight);

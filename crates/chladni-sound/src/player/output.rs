@@ -199,12 +199,19 @@ fn stream<T: SizedSample + FromSample<f32>>(
         let (now, stamp) = (Instant::now(), info.timestamp());
         output.fill(data, now, now + stamp.playback.duration_since(stamp.callback));
     };
-    let on_error = move |error: cpal::Error| match error.kind() {
-        ErrorKind::Xrun => counter.count_underrun(),
-        ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
-        _ => counter.set_lost(),
-    };
+    let on_error = move |error: cpal::Error| heed(error.kind(), &counter);
     device.build_output_stream(config, play, on_error, Some(Duration::from_secs(2)))
+}
+
+/// Takes note of an error of the device's stream.
+fn heed(error: ErrorKind, clock: &Clock) {
+    match error {
+        ErrorKind::Xrun => clock.count_underrun(),
+        // ALSA's way to PulseAudio reports one of these after each underrun and goes on: a device that does not has
+        // soon stopped.
+        ErrorKind::BackendError | ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
+        _ => clock.set_lost(),
+    }
 }
 
 #[cfg(test)]
@@ -260,6 +267,22 @@ mod tests {
         // Called again and again without a frame to fill, it is there.
         clock.tick(after(3.6), 0);
         assert_eq!(output.trouble(&clock, after(3.7)), None);
+    }
+
+    #[test]
+    fn an_error_from_which_a_device_recovers_does_not_close_it() {
+        let (output, clock) = device();
+        let now = output.opened + Duration::from_secs(3);
+        clock.tick(now, 2048);
+        for error in [ErrorKind::Xrun, ErrorKind::BackendError, ErrorKind::DeviceChanged] {
+            heed(error, &clock);
+            assert_eq!(output.trouble(&clock, now), None, "{error:?}");
+        }
+        assert_eq!(clock.underruns(), 1, "a stumble counts once");
+        let later = now + Duration::from_millis(1600);
+        assert_eq!(output.trouble(&clock, later).as_deref(), Some("test has stopped"));
+        heed(ErrorKind::DeviceNotAvailable, &clock);
+        assert_eq!(output.trouble(&clock, now).as_deref(), Some("test is gone"));
     }
 
     #[test]

@@ -64,9 +64,12 @@ fn named(ui: &mut Ui, name: &str, tip: &str, control: impl FnOnce(&mut Ui) -> eg
     if ui.available_size_before_wrap().x < WIDEST {
         ui.end_row();
     }
-    let label = ui.label(name).on_hover_text(tip).id;
-    ui.label_inputs_by(label, |ui| {
-        // A tip of the control itself would be read out as its name.
-        control(ui).author_id(format!("ink/{}", name.to_lowercase()))
+    // On the wrapping line itself the name would stand above the middle of the slider.
+    ui.horizontal(|ui| {
+        let label = ui.label(name).on_hover_text(tip).id;
+        ui.label_inputs_by(label, |ui| {
+            // A tip of the control itself would be read out as its name.
+            control(ui).author_id(format!("ink/{}", name.to_lowercase()))
+        });
     });
 }

@@ -8,6 +8,7 @@ use super::listening::Listening;
 use super::shows::take;
 use super::wish::Wish;
 use crate::studio::room::Shared;
+use crate::studio::theme;
 
 impl MusicRoom {
     pub(super) fn fulfil(&mut self, wish: Wish, shared: &mut Shared<'_>) {
@@ -65,7 +66,8 @@ impl MusicRoom {
             }
         };
         if let Err(why) = done {
-            shared.notices.warn(why);
+            // Errors of the engine begin in lower case.
+            shared.notices.warn(theme::capitalized(&why.to_string()));
         }
     }
 }

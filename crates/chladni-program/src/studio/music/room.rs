@@ -9,7 +9,7 @@ use super::concert::Concert;
 use super::curtain::Curtain;
 use super::drawer::Drawer;
 use super::film::{OnStage, Scene};
-use super::listening::Listening;
+use super::listening::{Listening, Message};
 use super::shows::{songs_of, songs_of_list};
 use super::view::View;
 use super::wish::{Then, Wish};
@@ -27,6 +27,8 @@ use crate::work::{Error, playlist, unread};
 
 /// How often a room at rest checks for sound and controllers.
 const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
+/// The matter of notices about whether there is sound.
+const SOUND: &str = "sound";
 /// What other programs see has come to an end when nothing has moved for longer: not in a pause between two songs.
 const REST_SECS: f64 = 300.0;
 
@@ -89,7 +91,11 @@ impl Room for MusicRoom {
         self.follow_camera(shared);
         if let Some(listening) = &mut self.listening {
             for message in listening.messages() {
-                shared.notices.warn(message);
+                match message {
+                    Message::Warning(text) => shared.notices.warn(text),
+                    Message::Silence(text) => shared.notices.update(SOUND, text),
+                    Message::Sound => shared.notices.withdraw(SOUND),
+                }
             }
         }
         // While the shapes dance every frame is a new one; else something may begin by itself.
@@ -324,7 +330,11 @@ impl MusicRoom {
         let backdrop = egui::Frame::new().fill(ground);
         egui::CentralPanel::default().frame(backdrop).show(ui, |ui| {
             if let Some((_, loading)) = &self.loading {
-                job::show_progress(ui, loading);
+                egui::Panel::bottom("loading").resizable(false).show(ui, |ui| {
+                    ui.add_space(theme::GAP_SMALL);
+                    job::show_progress(ui, loading);
+                    ui.add_space(theme::GAP_SMALL);
+                });
             }
             let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else {
                 if self.loading.is_none() {

@@ -18,18 +18,31 @@ use crate::studio::keys::music::{
 use crate::studio::shortcut::Shortcut;
 use crate::studio::theme;
 
+/// The width of the slider through a song, where there is room and where there is not.
+const SEEK_WIDTH: [f32; 2] = [110.0, 40.0];
+/// A song's name with less room than this is left out.
+const SHORTEST_NAME: f32 = 20.0;
+
 /// Draws the bar.
 pub fn show(ui: &mut Ui, listening: &mut Listening, concert: &Concert, wishes: &mut Vec<Wish>) {
+    let kept = egui::Id::unique("transport-right");
     ui.horizontal_centered(|ui| {
         files(ui, concert, wishes);
         recording(ui, concert, wishes);
         camera(ui, concert);
         ui.separator();
-        song(ui, listening);
+        // The buttons on the right are laid out later: they take as much room as in the frame before.
+        let right = ui.data(|data| data.get_temp::<f32>(kept)).unwrap_or(0.0);
+        song(ui, listening, right);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             stage(ui, concert, wishes);
             breeding(ui, concert, wishes);
             ui.separator();
+            let right = ui.min_rect().width();
+            ui.data_mut(|data| data.insert_temp(kept, right));
+            if ui.available_width() < SHORTEST_NAME {
+                return;
+            }
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 let name = RichText::new(listening.source_name()).color(theme::palette(ui).weak);
                 ui.add(egui::Label::new(name).truncate());
@@ -114,7 +127,8 @@ fn files(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     menu.response.author_id("file");
 }
 
-fn song(ui: &mut Ui, listening: &mut Listening) {
+/// The song that plays; `right` is the width that is needed on the right of it.
+fn song(ui: &mut Ui, listening: &mut Listening, right: f32) {
     let back =
         ui.button(icon::text(Icon::SkipBack)).accessible_name("Previous song").author_id("previous-song");
     if back.on_hover_text(PREVIOUS_SONG.tooltip(ui.ctx())).clicked() {
@@ -138,13 +152,18 @@ fn song(ui: &mut Ui, listening: &mut Listening) {
     }
     let length = status.duration_secs.unwrap_or(0.0);
     let mut at = status.position_secs;
-    ui.spacing_mut().slider_width = 110.0;
+    let time = format!("{} / {}", clock(status.position_secs), clock(length));
+    let font = egui::TextStyle::Monospace.resolve(ui.style());
+    let time_width = ui.painter().layout_no_wrap(time.clone(), font, egui::Color32::WHITE).size().x;
+    let gaps = 2.0 * ui.spacing().item_spacing.x;
+    let [most, least] = SEEK_WIDTH;
+    ui.spacing_mut().slider_width = (ui.available_width() - time_width - gaps - right).clamp(least, most);
     let slider = theme::slider(&mut at, 0.0..=length.max(0.1)).show_value(false);
     let slider = ui.add_enabled(length > 0.0, slider).author_id("seek").on_hover_text("Where in the song");
     if length > 0.0 && slider.changed() {
         listening.player().seek(at);
     }
-    ui.monospace(format!("{} / {}", clock(status.position_secs), clock(length)));
+    ui.monospace(time).author_id("time");
 }
 
 /// From right to left.
@@ -243,7 +262,7 @@ fn generations(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
 fn sizes(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let gallery = concert.instrument().gallery();
     let (seed, size) = (gallery.seed(), gallery.items().len());
-    ui.menu_button(format!("{size} items, seed {seed}"), |ui| {
+    ui.menu_button(format!("{size} items"), |ui| {
         let mut entry = |ui: &mut Ui, id: &str, name: String, wish: Option<Wish>| {
             if ui.button(name).author_id(format!("gallery/{id}")).clicked() {
                 wishes.extend(wish);
@@ -268,7 +287,7 @@ fn sizes(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     })
     .response
     .author_id("gallery")
-    .on_hover_text("How many dances there are, and the seed of all that is random");
+    .on_hover_text(format!("How many dances there are; the seed of all that is random is {seed}"));
 }
 
 fn clock(secs: f64) -> String {

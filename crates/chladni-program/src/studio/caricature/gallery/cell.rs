@@ -113,6 +113,9 @@ fn frame(
     if marked {
         let text = painter.layout(doing.to_owned(), font, palette.weak, cell.width() - 18.0);
         let at = cell.left_bottom() + vec2(9.0, -8.0 - text.size().y);
+        // It lies on the picture, which may be dark where the theme is light.
+        let ground = Rect::from_min_size(at, text.size()).expand(4.0);
+        painter.rect_filled(ground, 4.0, palette.stage.gamma_multiply(0.85));
         painter.galley(at, text, palette.weak);
     }
 }

@@ -188,14 +188,12 @@ impl GalleryView {
         if let Some(shown) = &mut self.shown {
             ui.label(RichText::new(icon::text(Icon::Lock)).color(theme::palette(ui).weak));
             for group in Group::ALL {
-                let mut locked = shown.gallery.is_locked(group);
+                let locked = shown.gallery.is_locked(group);
                 let tip = "Children have it from one parent unchanged";
-                let toggle = ui.add_enabled_ui(idle, |ui| {
-                    ui.toggle_value(&mut locked, theme::capitalized(group.name()))
-                });
-                let toggle = toggle.inner.on_hover_text(tip);
-                if toggle.author_id(format!("lock/{}", group.name())).changed() {
-                    shown.gallery.lock(group, locked);
+                let button = egui::Button::selectable(locked, theme::capitalized(group.name()));
+                let toggle = ui.add_enabled(idle, button).on_hover_text(tip);
+                if toggle.author_id(format!("lock/{}", group.name())).clicked() {
+                    shown.gallery.lock(group, !locked);
                 }
             }
             if !shown.gallery.favorites().is_empty() {

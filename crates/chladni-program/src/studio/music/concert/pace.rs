@@ -20,6 +20,15 @@ pub struct Pace {
     mean_secs: f64,
 }
 
+/// A change of how many harmonics are in use, in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// Some are left out, or more than before.
+    Fewer(String),
+    /// Some are back.
+    More(String),
+}
+
 impl Pace {
     /// At most this many harmonics are in use; `None` is all.
     pub fn harmonics(&self) -> Option<u32> {
@@ -32,12 +41,12 @@ impl Pace {
     }
 
     /// Counts a frame that took this long before drawing, of dances that use `wanted` harmonics if none are left out.
-    /// Returns a message when the number in use changes.
-    pub fn frame(&mut self, took: Duration, wanted: u32) -> Option<String> {
+    /// Returns a change of the number in use.
+    pub fn frame(&mut self, took: Duration, wanted: u32) -> Option<Change> {
         self.count(took.as_secs_f64(), wanted)
     }
 
-    fn count(&mut self, secs: f64, wanted: u32) -> Option<String> {
+    fn count(&mut self, secs: f64, wanted: u32) -> Option<Change> {
         self.total_secs += secs;
         self.frames += 1;
         if self.frames < FRAMES {
@@ -50,12 +59,13 @@ impl Pace {
         if self.mean_secs > BUDGET_SECS && now > FEWEST {
             let fewer = (now / 2).max(FEWEST);
             self.harmonics = Some(fewer);
-            return Some(format!("This machine is too slow for {now} harmonics: {fewer} are in use."));
+            let text = format!("This machine is too slow for {now} harmonics: {fewer} are in use.");
+            return Some(Change::Fewer(text));
         }
         if self.mean_secs < ROOM_SECS && now < wanted {
             let more = (now * 2).min(wanted);
             self.harmonics = (more < wanted).then_some(more);
-            return Some(format!("There is room again: {more} harmonics are in use."));
+            return Some(Change::More(format!("There is room again: {more} harmonics are in use.")));
         }
         None
     }
@@ -85,14 +95,19 @@ mod tests {
     fn harmonics_that_no_dance_uses_are_not_left_out() {
         let mut pace = Pace::default();
         let message = |pace: &mut Pace, secs, wanted| {
-            let said: Vec<String> = (0..FRAMES).filter_map(|_| pace.count(secs, wanted)).collect();
-            said.concat()
+            let said = (0..FRAMES).filter_map(|_| pace.count(secs, wanted)).map(|change| match change {
+                Change::Fewer(text) => text,
+                Change::More(text) => format!("Good news: {text}"),
+            });
+            said.collect::<String>()
         };
         // Of a shape of 512, dances use the first 64.
         assert!(message(&mut pace, 0.030, 64).contains("too slow for 64 harmonics: 32"));
         assert_eq!(pace.harmonics(), Some(32));
         assert!(
-            message(&mut pace, 0.002, 64).contains("64 harmonics are in use") && pace.harmonics().is_none()
+            message(&mut pace, 0.002, 64)
+                .starts_with("Good news: There is room again: 64 harmonics are in use")
+                && pace.harmonics().is_none()
         );
         // A limit above what is used stays, and says nothing.
         assert!(message(&mut pace, 0.030, 512).contains("256 are in use"));

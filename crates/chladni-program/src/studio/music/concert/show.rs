@@ -16,6 +16,7 @@ use super::Concert;
 use super::apart::Apart;
 use super::coarse;
 use super::frame::Frame;
+use super::pace::Change;
 use super::stillness;
 use super::viewpoint::{camera_at, navigate, touches};
 use crate::studio::room::Shared;
@@ -23,6 +24,9 @@ use crate::studio::theme;
 use crate::studio::viewport;
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::{Error, Staging, look_on_stage, reaction};
+
+/// The matter of notices about how many harmonics are in use.
+const HARMONICS: &str = "harmonics in use";
 
 impl Concert {
     /// Hears, deforms and draws one frame, and handles clicks on it.
@@ -182,9 +186,12 @@ impl Concert {
             let took = (shared.now)().saturating_duration_since(frame.began);
             // The limit is that of both windows.
             let beside = self.apart.as_ref().filter(|_| frame.is_apart).map_or(0, Apart::harmonics_wanted);
-            if let Some(message) = self.pace.frame(took, self.ensemble.harmonics_wanted().max(beside)) {
+            if let Some(change) = self.pace.frame(took, self.ensemble.harmonics_wanted().max(beside)) {
                 self.ensemble.use_at_most(self.pace.harmonics());
-                shared.notices.update("harmonics in use", message);
+                match change {
+                    Change::Fewer(text) => shared.notices.update(HARMONICS, text),
+                    Change::More(text) => shared.notices.settle(HARMONICS, text),
+                }
             }
         }
         // Reported once; then the processor continues.

@@ -125,6 +125,35 @@ pub struct HeardSound {
     until: Option<u64>,
 }
 
+/// A message of the player or of the ears.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Message {
+    /// Something is not as it was wanted.
+    Warning(String),
+    /// The song goes on in silence, and why.
+    Silence(String),
+    /// There is sound again.
+    Sound,
+}
+
+impl Message {
+    fn of(event: PlayerEvent) -> Option<Self> {
+        match event {
+            PlayerEvent::SongFailed { reason, .. } => Some(Self::Warning(reason)),
+            PlayerEvent::SongDamaged { what, .. } => Some(Self::Warning(what)),
+            PlayerEvent::DeviceLost(why) => {
+                Some(Self::Silence(format!("No sound ({why}): the song goes on in silence.")))
+            }
+            PlayerEvent::DeviceOpened(_) => Some(Self::Sound),
+            PlayerEvent::BrokeOff => {
+                let why = Error::BrokeOff("The player".into());
+                Some(Self::Warning(format!("{why}. No song plays until the program is started again.")))
+            }
+            PlayerEvent::SongStarted(_) | PlayerEvent::Finished => None,
+        }
+    }
+}
+
 impl Listening {
     /// Starts the player on the sample tune, at a volume in [0, 1], on a device or the system's own.
     pub fn start(ctx: &Context, volume: f32, device: Option<String>) -> Result<Self, Error> {
@@ -279,20 +308,10 @@ impl Listening {
         self.hearing.spectrum().filter(|_| !self.by_ear).unwrap_or(by_ear)
     }
 
-    /// The player's messages.
-    pub fn messages(&mut self) -> Vec<String> {
-        let tell = |event| match event {
-            PlayerEvent::SongFailed { reason, .. } => Some(reason),
-            PlayerEvent::SongDamaged { what, .. } => Some(what),
-            PlayerEvent::DeviceLost(why) => Some(format!("No sound ({why}): the song goes on in silence.")),
-            PlayerEvent::BrokeOff => {
-                let why = Error::BrokeOff("The player".into());
-                Some(format!("{why}. No song plays until the program is started again."))
-            }
-            PlayerEvent::SongStarted(_) | PlayerEvent::Finished | PlayerEvent::DeviceOpened(_) => None,
-        };
-        let messages: Vec<String> = self.player.events().filter_map(tell).collect();
-        self.warnings.drain(..).chain(messages).collect()
+    /// The messages since the last call.
+    pub fn messages(&mut self) -> Vec<Message> {
+        let messages: Vec<Message> = self.player.events().filter_map(Message::of).collect();
+        self.warnings.drain(..).map(Message::Warning).chain(messages).collect()
     }
 
     /// Listens to the sound of this moment, which is `now_secs` by any steadily running clock. `before`
@@ -447,5 +466,17 @@ impl Listening {
     /// Calls a shot, which stays; or lets the camera choose again.
     pub fn call_shot(&mut self, shot: Option<usize>) {
         self.called = shot.map(|shot| (shot, self.last_secs));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_is_opened_ends_the_silence() {
+        let silence = Message::of(PlayerEvent::DeviceLost("it is gone".into()));
+        assert!(matches!(silence, Some(Message::Silence(why)) if why.contains("it is gone")));
+        assert_eq!(Message::of(PlayerEvent::DeviceOpened("speaker".into())), Some(Message::Sound));
     }
 }

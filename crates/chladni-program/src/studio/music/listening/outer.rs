@@ -192,6 +192,7 @@ mod tests {
     use chladni_music::Stretch;
     use chladni_sound::{Beats, sample_tune, sample_tune_beats_secs};
 
+    use super::super::Message;
     use super::*;
     use crate::work::KnownSong;
 
@@ -227,7 +228,7 @@ mod tests {
         listening.hear_clock(ClockMessage::Tempo { bpm: 90.0 }, 1.0);
         listening.lock(true);
         assert!(!listening.is_locked() && !listening.follows_clock());
-        assert!(listening.messages().iter().any(|message| message.contains("no tempo to hold")));
+        assert!(listening.messages().contains(&Message::Warning("There is no tempo to hold yet.".into())));
     }
 
     #[test]

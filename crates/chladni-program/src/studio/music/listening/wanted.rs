@@ -139,6 +139,7 @@ impl Listening {
 mod tests {
     use chladni_music::{ClockTrack, Moment, Parameters};
 
+    use super::super::Message;
     use super::*;
 
     #[test]
@@ -177,19 +178,25 @@ mod tests {
         assert!((fixed.1 - 0.01).abs() < 1e-3 && (louder.1 - 0.1).abs() < 1e-2);
     }
 
+    /// Its warnings.
+    fn said(listening: &mut Listening) -> String {
+        let text = |message: Message| if let Message::Warning(text) = message { Some(text) } else { None };
+        listening.messages().into_iter().filter_map(text).collect()
+    }
+
     #[test]
     fn an_input_that_is_not_there_is_named() {
         let ctx = Context::default();
         let mut listening = Listening::start(&ctx, 1.0, None).unwrap();
         listening.toggle_live(None, &ctx);
-        assert!(listening.messages().iter().any(|said| said.contains("drawer Songs")));
+        assert!(said(&mut listening).contains("drawer Songs"));
         listening.toggle_live(Some("no such input"), &ctx);
         while listening.wanted.is_some() {
             listening.keep_wanted();
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
         assert!(listening.live().is_none());
-        assert!(listening.messages().iter().any(|said| said.starts_with("no such input")));
+        assert!(said(&mut listening).contains("no such input"));
     }
 
     #[test]

@@ -158,7 +158,7 @@ fn files(ui: &mut Ui, wishes: &mut Vec<Wish>) {
 fn row(ui: &mut Ui, bindings: &mut Bindings, number: &mut u32, target: Target) {
     ui.horizontal(|ui| {
         let name = name(target);
-        let label = ui.label(name);
+        // The buttons first, so that a long name cannot push them away.
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let numbered = matches!(target.kind(), Kind::Choice | Kind::Dance);
             let waits = bindings.learning().is_some_and(|(waits, _)| waits == target);
@@ -178,15 +178,18 @@ fn row(ui: &mut Ui, bindings: &mut Bindings, number: &mut u32, target: Target) {
                 *number = 0;
                 bindings.learn((!waits).then_some((target, None)));
             }
+            let mut number_field = None;
             if waits && numbered {
                 // Without a number, a press takes this one.
                 let unnumbered = if target.kind() == Kind::Dance { "marked" } else { "next" };
                 let which = egui::DragValue::new(number).range(0..=999).custom_formatter(|number, _| {
                     if number < 1.0 { unnumbered.into() } else { format!("{number:.0}") }
                 });
-                if ui.add(which).labelled_by(label.id).changed() {
+                let field = ui.add(which);
+                if field.changed() {
                     bindings.learn(Some((target, Some(*number).filter(|number| *number > 0))));
                 }
+                number_field = Some(field);
             }
             let mut forgotten = None;
             for (index, binding) in bindings.list().iter().enumerate() {
@@ -208,6 +211,12 @@ fn row(ui: &mut Ui, bindings: &mut Bindings, number: &mut u32, target: Target) {
             if let Some(index) = forgotten {
                 bindings.forget(index);
             }
+            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                let label = ui.add(egui::Label::new(name).truncate());
+                if let Some(field) = number_field {
+                    field.labelled_by(label.id);
+                }
+            });
         });
     });
 }
