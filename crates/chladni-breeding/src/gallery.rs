@@ -17,6 +17,9 @@ pub const GALLERY_SIZES: [usize; 4] = [6, 9, 12, 16];
 /// there, but a show file or a controller breeds faster.
 const MOST_GENES: usize = 1 << 27;
 
+/// How often a mutation is drawn at most, where not every change is wanted.
+const MUTANTS: usize = 24;
+
 /// All generations of one seed. Each random draw depends only on the seed and on the number of draws made
 /// before it: the same calls give the same items, bit for bit.
 #[derive(Clone, Debug, PartialEq)]
@@ -219,6 +222,19 @@ impl<G: Genome> Gallery<G> {
     /// # Errors
     /// An amount outside [0, 1], an item that does not exist, or no room for more generations.
     pub fn mutate(&mut self, index: usize, amount: f32) -> Result<(), BreedingError> {
+        self.mutate_until(index, amount, |_| true)
+    }
+
+    /// The same, but the change is drawn again while the changed item is not `wanted`, up to a number of times.
+    ///
+    /// # Errors
+    /// Those of [`mutate`](Self::mutate).
+    pub fn mutate_until(
+        &mut self,
+        index: usize,
+        amount: f32,
+        wanted: impl Fn(&G) -> bool,
+    ) -> Result<(), BreedingError> {
         if !(0.0..=1.0).contains(&amount) {
             return Err(BreedingError::OutOfRange {
                 name: "mutation",
@@ -228,7 +244,14 @@ impl<G: Genome> Gallery<G> {
         }
         self.check_room()?;
         let parent = self.item_mut(index)?.clone();
-        let genome = parent.genome.mutant(amount, &mut self.rng());
+        let mut rng = self.rng();
+        let mut genome = parent.genome.mutant(amount, &mut rng);
+        for _ in 1..MUTANTS {
+            if wanted(&genome) {
+                break;
+            }
+            genome = parent.genome.mutant(amount, &mut rng);
+        }
         let child = self.item(genome, Origin::Mutated { parent: parent.id });
         self.replace(index, child);
         Ok(())

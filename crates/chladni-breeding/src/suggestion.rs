@@ -4,7 +4,7 @@
 //! The paper shows whatever breeding gives. Here breeding gives [`CANDIDATES`] children, and the gallery
 //! shows those that are most worth looking at:
 //!
-//! 1. Each candidate is described by how it moves the shape ([`Descriptor`]).
+//! 1. Each candidate is described by how it moves the shape ([`Descriptor`]). Those without any effect are left out.
 //! 2. A preference is derived from the generations so far: near a chosen item is good, near an item that was
 //!    passed over is bad, and recent choices count most. Of candidates that look alike, only the best is kept, and
 //!    of those only the better part. (Children of like parents are twins, which are all equally good.)
@@ -41,6 +41,11 @@ impl Descriptor {
     pub fn distance(&self, other: &Self) -> f32 {
         let squares = self.0.iter().zip(&other.0).map(|(a, b)| (a - b) * (a - b));
         squares.sum::<f32>().sqrt()
+    }
+
+    /// Whether it is that of an item without any effect.
+    pub fn is_still(&self) -> bool {
+        self.0.iter().all(|x| *x == 0.0)
     }
 }
 
@@ -124,7 +129,10 @@ pub fn suggest<G: Genome, D: Describe<G>>(gallery: &Gallery<G>, describer: &D) -
         candidates.par_iter().map(|genome| describer.describe(genome)).collect::<Result<_, _>>()?;
     let preference = Preference::of(gallery, describer)?;
     let scores: Vec<f32> = described.par_iter().map(|d| preference.score(d)).collect();
-    let mut order: Vec<usize> = (0..CANDIDATES).collect();
+    let mut order: Vec<usize> = (0..CANDIDATES).filter(|&i| !described[i].is_still()).collect();
+    if order.is_empty() {
+        order = (0..CANDIDATES).collect();
+    }
     order.sort_by(|&i, &j| scores[j].total_cmp(&scores[i]).then(i.cmp(&j)));
     let places = gallery.items().len();
     let mut order = without_twins(&described, &order, places);
@@ -192,7 +200,7 @@ mod tests {
 
     use super::*;
 
-    /// +1 or −1, which never changes.
+    /// +1, −1 or 0, which never changes.
     #[derive(Clone)]
     struct Side(f32);
 
@@ -236,5 +244,20 @@ mod tests {
         gallery.choose(1, true).unwrap();
         let numbers = suggest(&gallery, &BySide).unwrap();
         assert_eq!(numbers.iter().filter(|number| **number == numbers[0]).count(), 3, "{numbers:?}");
+    }
+
+    #[test]
+    fn candidates_without_effect_are_suggested_only_where_all_are() {
+        let with = |second: f32| {
+            let sides = |i: u8| Side(if i == 0 { 0.0 } else { second });
+            let mut gallery = Gallery::new(7, 6, |_| (0..6).map(sides).collect()).unwrap();
+            gallery.choose(0, true).unwrap();
+            gallery.choose(1, true).unwrap();
+            let numbers = suggest(&gallery, &BySide).unwrap();
+            let candidates = gallery.candidates().unwrap();
+            assert!(candidates.iter().any(|candidate| candidate.0 == 0.0));
+            numbers.iter().filter(|number| candidates[usize::from(**number)].0 == 0.0).count()
+        };
+        assert_eq!((with(1.0), with(0.0)), (0, 6));
     }
 }

@@ -118,7 +118,8 @@ impl VariantGallery {
         }
     }
 
-    /// Shows children of those that are chosen: different from each other, and similar to the choices so far.
+    /// Shows children of those that are chosen: different from each other, and similar to the choices so far. None of them
+    /// leaves the shape as it is, unless all do.
     ///
     /// # Errors
     /// Nothing chosen, or no room for more.
@@ -127,12 +128,13 @@ impl VariantGallery {
         Ok(self.generations.breed_from(&candidates)?)
     }
 
-    /// Changes one a little.
+    /// Changes one a little, so that it still moves the shape where that is possible.
     ///
     /// # Errors
     /// An index beyond the last, or no room for more.
-    pub fn mutate(&mut self, index: usize) -> Result<(), CaricatureError> {
-        Ok(self.generations.mutate(index, 0.3)?)
+    pub fn mutate(&mut self, index: usize, sitter: &Sitter) -> Result<(), CaricatureError> {
+        let moves = |variant: &Variant| sitter.describe(variant).is_ok_and(|movement| !movement.is_still());
+        Ok(self.generations.mutate_until(index, 0.3, moves)?)
     }
 
     /// Shows the generation again from which the shown one came; false where it is the first.

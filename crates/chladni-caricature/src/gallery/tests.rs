@@ -1,9 +1,10 @@
 use std::sync::Arc;
 
+use chladni_breeding::Genome;
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_match::MatchSettings;
 use chladni_mesh::ShapeSource;
-use chladni_mesh::samples::{head_parts, sample};
+use chladni_mesh::samples::{head_parts, icosphere, sample};
 use chladni_mesh::surface::vec3::{distance, length};
 use chladni_task::Task;
 
@@ -115,4 +116,43 @@ fn a_surprise_moves_the_shape_and_is_the_same_for_the_same_seed() {
     let far = portrait.positions.iter().zip(&stack.original().positions);
     let far = far.map(|(p, q)| length([0, 1, 2].map(|i| f64::from(p[i]) - q[i]))).fold(0.0, f64::max);
     assert!(far > 0.02 && portrait.folded as f64 <= MOST_FOLDS * stack.body().triangles.len() as f64);
+}
+
+/// A small shape made smooth by few harmonics, or by all that it has, where only the normal model finds a difference.
+fn sitter_that_some_leave_still() -> Sitter {
+    let mut mesh = icosphere(2);
+    mesh.positions.iter_mut().for_each(|p| *p = [1.5 * p[0], p[1], 0.7 * p[2] + 0.3 * p[0] * p[0]]);
+    let body = Body::build(&mesh, &BasisSettings::new(12), &Task::new()).unwrap();
+    let stack = Stack::new(Arc::new(body)).unwrap();
+    let templates = [4, 12].map(|k| (Template::LowPass(k), MatchSettings::default()));
+    Sitter::new(&stack, &templates, Vec::new()).unwrap()
+}
+
+#[test]
+fn children_and_changes_that_leave_the_shape_as_it_is_are_not_shown() {
+    let sitter = sitter_that_some_leave_still();
+    let is_still = |variant: &Variant| sitter.describe(variant).unwrap().is_still();
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let random: Vec<Variant> = (0..400).map(|_| Variant::random(0, 2, &mut rng)).collect();
+    let mut gallery = VariantGallery::new(1, &sitter).unwrap();
+
+    let still = random.iter().find(|variant| is_still(variant)).unwrap();
+    assert!(sitter.portray_one(still).unwrap().moved < 1e-4);
+    gallery.generations.item_mut(0).unwrap().genome = still.clone();
+    gallery.choose(0, true).unwrap();
+    gallery.choose(1, true).unwrap();
+    gallery.breed(&sitter).unwrap();
+    assert!(!gallery.variants().into_iter().any(is_still));
+
+    // One of whose changes many leave the shape as it is.
+    let mut stilled =
+        |variant: &Variant| (0..24).filter(|_| is_still(&variant.mutant(0.3, &mut rng))).count();
+    let near =
+        random.iter().find(|variant| !is_still(variant) && (6..16).contains(&stilled(variant))).unwrap();
+    gallery.generations.item_mut(0).unwrap().genome = near.clone();
+    for _ in 0..24 {
+        gallery.mutate(0, &sitter).unwrap();
+        assert!(!is_still(gallery.variants()[0]));
+        assert!(gallery.back());
+    }
 }

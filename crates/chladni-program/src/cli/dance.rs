@@ -99,7 +99,7 @@ pub struct Dance {
     /// How strongly it moves, 0 to 20. This and all such options hold throughout a show, whatever it does with them.
     #[arg(long, allow_negative_numbers = true)]
     gain: Option<f32>,
-    /// One µ for all dances, 0 to 1, instead of each one's own.
+    /// One µ for all dances, 0 to 1, instead of each one's own; not in half-mask, where each half hears its own channel.
     #[arg(long, allow_negative_numbers = true)]
     mu: Option<f32>,
     /// Turn any knob or switch of the window, by the name that it has over OSC, such as decay=0.7,

@@ -112,6 +112,19 @@ pub fn check_landmarks(method: Method, landmarks: Option<&Path>) -> Result<(), E
     }
 }
 
+/// Checks that no seed is given to the method that samples nothing.
+///
+/// # Errors
+/// [`Error::Input`] where one is.
+pub fn check_seed(method: Method, seed: Option<u64>) -> Result<(), Error> {
+    match seed {
+        Some(_) if method == Method::Same => Err(Error::input(
+            "--seed is for a match that is looked for, and none is between the same vertices",
+        )),
+        _ => Ok(()),
+    }
+}
+
 impl LayerOptions {
     /// The seed that is given.
     pub fn seed(&self) -> Option<u64> {
@@ -137,6 +150,18 @@ impl LayerOptions {
             }
             _ => check_landmarks(self.matching.unwrap_or_default(), self.landmarks.as_deref()),
         }
+    }
+
+    /// Checks that no seed is given where nothing is sampled: where `template` is no mesh, or matched vertex by vertex. A
+    /// gallery has a use for it of its own.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where one is.
+    pub fn check_seed(&self, template: Option<&Template>) -> Result<(), Error> {
+        if self.seed.is_some() && !template.is_some_and(Template::is_mesh) {
+            return Err(Error::input("--seed is for a template that is a mesh"));
+        }
+        check_seed(self.matching.unwrap_or_default(), self.seed)
     }
 
     /// Checks that no option for the edge of a region is given where there is none, nor one that its edge does not have;

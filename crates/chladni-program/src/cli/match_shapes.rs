@@ -19,7 +19,7 @@ use chladni_view::{Camera, ColorMap, PictureRequest, PictureShape, Scale, Style,
 use serde::Serialize;
 
 use super::Terminal;
-use super::layer_options::{check_landmarks, scaling};
+use super::layer_options::{check_landmarks, check_seed, scaling};
 use crate::work::outputs::{check_arrays, check_no_texture, check_picture};
 use crate::work::{Error, Stance, Warning, Watcher, place_colors, source, write_file};
 
@@ -41,9 +41,9 @@ pub struct MatchShapes {
     /// Keep the template's own size, as the paper does, instead of fitting it to the shape's.
     #[arg(long)]
     rigid: bool,
-    /// Seed of all sampling.
-    #[arg(long, default_value_t = MatchSettings::default().seed)]
-    seed: u64,
+    /// Seed of all sampling [default: 0].
+    #[arg(long)]
+    seed: Option<u64>,
     /// Write the correspondence here (NumPy archive: point, confidence, similarity and, on
     /// template meshes, triangle and barycentric, all described in docs/match.md).
     #[arg(short, long, value_name = "M.npz")]
@@ -134,7 +134,8 @@ impl MatchShapes {
 
     /// Checks, before any work, that the request is possible and the results can be written.
     fn check(&self) -> Result<(), Error> {
-        let of_mesh = self.template.is_some() || self.landmarks.is_some() || self.rigid;
+        let of_mesh =
+            self.template.is_some() || self.landmarks.is_some() || self.rigid || self.seed.is_some();
         let word = self.template.as_deref().filter(|path| !path.exists()).and_then(Path::to_str);
         if let Some(word @ ("ellipsoid" | "sphere")) = word {
             return Err(Error::Input(format!(
@@ -142,10 +143,11 @@ impl MatchShapes {
             )));
         }
         if !matches!(self.method, How::Mesh(_)) && of_mesh {
-            return Err(Error::input("this method takes neither a template, landmarks nor --rigid"));
+            return Err(Error::input("this method takes neither a template, landmarks, --rigid nor --seed"));
         }
         if let How::Mesh(method) = self.method {
             check_landmarks(method, self.landmarks.as_deref())?;
+            check_seed(method, self.seed)?;
         }
         self.output.as_deref().map_or(Ok(()), check_arrays)?;
         self.render.as_deref().map_or(Ok(()), check_picture)
@@ -175,7 +177,8 @@ impl MatchShapes {
                     None => Vec::new(),
                 };
                 let scaling = scaling(self.rigid);
-                let settings = MatchSettings { method, landmarks, seed: self.seed, scaling };
+                let seed = self.seed.unwrap_or(MatchSettings::default().seed);
+                let settings = MatchSettings { method, landmarks, seed, scaling };
                 match_shapes(shape, &template, &settings, task).map_err(failed)
             }
             How::Ellipsoid => alone(Ellipsoid::fitted(shape).and_then(|e| onto_ellipsoid(shape, &e))),

@@ -6,7 +6,7 @@ use chladni_match::{MatchSettings, MeanShape, Method};
 use chladni_mesh::{ShapeSource, TriMesh, save_mesh};
 
 use super::Terminal;
-use super::layer_options::{method, scaling};
+use super::layer_options::{check_seed, method, scaling};
 use crate::work::left_out::left_by;
 use crate::work::outputs::check_mesh;
 use crate::work::{Error, Warning, Watcher, source};
@@ -28,9 +28,9 @@ pub struct Mean {
     /// Keep sizes: all shapes are in one unit.
     #[arg(long)]
     rigid: bool,
-    /// Seed of all sampling.
-    #[arg(long, default_value_t = MatchSettings::default().seed)]
-    seed: u64,
+    /// Seed of all sampling [default: 0].
+    #[arg(long)]
+    seed: Option<u64>,
 }
 
 /// A method that needs no landmarks: they would be other pairs for each shape.
@@ -46,6 +46,7 @@ impl Mean {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let read: Vec<&Path> = self.shapes.iter().map(PathBuf::as_path).collect();
         check_mesh(&self.output, &read)?;
+        check_seed(self.matching, self.seed)?;
         let Some((first, others)) = self.shapes.split_first() else {
             return Err(Error::input("the mean needs two shapes or more"));
         };
@@ -53,7 +54,8 @@ impl Mean {
         // Each match takes long: a wrong name would lose all before it.
         others.iter().try_for_each(|path| source::check_there(&ShapeSource::named(path), terminal))?;
         let (method, scaling) = (self.matching, scaling(self.rigid));
-        let settings = MatchSettings { method, scaling, seed: self.seed, ..MatchSettings::default() };
+        let usual = MatchSettings::default();
+        let settings = MatchSettings { method, scaling, seed: self.seed.unwrap_or(usual.seed), ..usual };
         let mut mean = MeanShape::of(&shape);
         for path in others {
             let other = source::mesh(path, terminal)?;

@@ -77,7 +77,7 @@ impl Exhibition {
                 self.gallery.back();
             }
             Step::Restart(seed) => self.gallery.restart(seed, &self.sitter)?,
-            Step::Change(index) => self.gallery.mutate(index)?,
+            Step::Change(index) => self.gallery.mutate(index, &self.sitter)?,
         }
         self.portraits = self.sitter.portray(&self.gallery.variants())?;
         Ok(self)

@@ -139,14 +139,22 @@ pub fn switch_name(switch: Switch) -> &'static str {
     rows.find(|row| row.0 == switch).map_or(switch.name(), |row| row.1)
 }
 
+/// Why a form ignores a knob. `voices` may listen to the side in any form.
+pub fn ignored_by(form: Form, parameter: Parameter, voices: bool) -> Option<&'static str> {
+    match parameter {
+        Parameter::StereoMu => form.ignores(FormControl::StereoMu),
+        Parameter::SideGain if !voices => form.ignores(FormControl::SideGain),
+        Parameter::Detail => form.ignores(FormControl::Detail),
+        _ => None,
+    }
+}
+
 /// Why a knob has no effect now. `voices` may listen to the side in any form.
 pub fn idle(parameters: &Parameters, parameter: Parameter, voices: bool) -> Option<&'static str> {
-    let form = parameters.form;
-    match parameter {
-        Parameter::StereoMu => form.ignores(FormControl::StereoMu).or_else(|| {
+    let of_switch = || match parameter {
+        Parameter::StereoMu => {
             parameters.is_on(Switch::OwnMu).then_some("Each dance has its own µ now (see Hearing).")
-        }),
-        Parameter::SideGain if !voices => form.ignores(FormControl::SideGain),
+        }
         Parameter::Damping
         | Parameter::TuningHz
         | Parameter::Stretch
@@ -157,9 +165,9 @@ pub fn idle(parameters: &Parameters, parameter: Parameter, voices: bool) -> Opti
         Parameter::Grains | Parameter::GrainSize => {
             (!parameters.is_on(Switch::Sand)).then_some("There is no sand now (see Experiment).")
         }
-        Parameter::Detail => form.ignores(FormControl::Detail),
         _ => None,
-    }
+    };
+    ignored_by(parameters.form, parameter, voices).or_else(of_switch)
 }
 
 #[cfg(test)]

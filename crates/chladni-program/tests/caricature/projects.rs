@@ -8,7 +8,7 @@ fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
     desk.ok("project new shape.obj -o p.chladni --harmonics 48");
     let nose = "--model normal --mu -0.8 --name nose --region 12,0,0,2";
     desk.ok(&format!("project add-layer p.chladni --template ellipsoid {nose}"));
-    let detail = "--mu -2 --scale-curve 200%:0,90%:2,45%:1,d:0 --seed 3";
+    let detail = "--mu -2 --scale-curve 200%:0,90%:2,45%:1,d:0";
     desk.ok(&format!("project add-layer p.chladni --template self:lowpass=12 {detail}"));
     let shown = desk.ok("project show p.chladni --json");
     let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
@@ -17,7 +17,7 @@ fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
     assert_eq!(shown["layers"][1]["template"], "self:lowpass=12");
     assert_eq!(shown["layers"][1]["scale_curve"]["points"][1], serde_json::json!([0.9, 2.0]));
     let matching = &shown["layers"][1]["match"];
-    assert_eq!((&matching["scaling"], &matching["seed"]), (&"free".into(), &3.into()));
+    assert_eq!((&matching["scaling"], &matching["seed"]), (&"free".into(), &0.into()));
     assert_eq!(shown["layers"][0]["infill"], 1.0);
     assert!(desk.ok("project show p.chladni").contains("2. self:lowpass=12"));
 
@@ -29,6 +29,15 @@ fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
     assert_eq!(names, ["nose", "self:lowpass=12"]);
     sum.iter_mut().flatten().zip(rest.iter().flatten()).for_each(|(s, x)| *s += x);
     assert!(largest(&sum, &result) < 1e-5, "{}", largest(&sum, &result));
+}
+
+#[test]
+fn a_layer_keeps_the_seed_of_its_match() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 48");
+    desk.ok("project add-layer p.chladni --template shape.obj --match icp --seed 3");
+    let shown: serde_json::Value = serde_json::from_str(&desk.ok("project show p.chladni --json")).unwrap();
+    assert_eq!(shown["layers"][0]["match"]["seed"], 3);
 }
 
 /// With μ = 1 the shape goes back to what it was after the first layer.

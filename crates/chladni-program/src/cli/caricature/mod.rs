@@ -51,7 +51,8 @@ pub struct Caricature {
     #[arg(short = 'k', long, value_name = "K", conflicts_with = "recipe")]
     harmonics: Option<usize>,
     /// Paper mode: the plain cotangent Laplacian, which not every mesh can have, and the settings that
-    /// the paper prints (sharp cut of the region at about 96, every scale alike, μ = -0.8 or -8).
+    /// the paper prints (sharp cut of the region at about 96, every scale alike, μ = -0.8 or -8); with --gallery
+    /// the Laplacian alone.
     #[arg(long, conflicts_with = "recipe")]
     paper: bool,
     #[command(flatten)]
@@ -132,6 +133,9 @@ impl Caricature {
             return Err(Error::input("--choose, --variant and --surprise are for --gallery"));
         }
         self.layer.check_for(self.template.as_ref())?;
+        if !self.gallery.gallery {
+            self.layer.check_seed(self.template.as_ref())?;
+        }
         self.layer.check_edge(self.region.is_given(), self.paper)?;
         let in_ink = self.render.as_deref().is_some_and(|path| self.ink.wanted(path));
         if in_ink && !self.sheet.show.iter().all(|panel| panel.is_plain()) {

@@ -5,8 +5,9 @@ use chladni_music::{
     MusicError, Parameter, Preset, SAND_MODE, Show, experiment,
 };
 
-use crate::work::Error;
 use crate::work::held::leave_out;
+use crate::work::knobs::ignored_by;
+use crate::work::{Error, Warning};
 
 /// A show that is repeated, or else a preset, a gallery or one dance of it.
 #[derive(Clone, Debug, Default)]
@@ -91,6 +92,30 @@ impl Beginning {
     }
 }
 
+/// Warnings of the knobs that `changes` turn in vain, as the form in which `instrument` begins ignores them; none where the
+/// `script` may choose another form. `voices` may listen to the side in any form.
+pub(super) fn in_vain(
+    changes: &[Action],
+    instrument: &Instrument,
+    script: &[LoggedAction],
+    voices: bool,
+) -> Vec<Warning> {
+    let chooses_form = |line: &LoggedAction| match &line.action {
+        Action::SetForm { .. } => true,
+        Action::Take { preset, .. } => preset.settings.form.is_some(),
+        _ => false,
+    };
+    if script.iter().any(chooses_form) {
+        return Vec::new();
+    }
+    let form = instrument.parameters().form;
+    let is_turned = |knob: &Parameter| {
+        changes.iter().any(|change| matches!(change, Action::Set { parameter, .. } if parameter == knob))
+    };
+    let ignored = |knob: Parameter| Some(Warning::of(knob.name(), ignored_by(form, knob, voices)?));
+    Parameter::ALL.into_iter().filter(is_turned).filter_map(ignored).collect()
+}
+
 /// Leaves out of a script all that changes what `change` sets, so that it holds throughout.
 fn hold(change: &Action, script: &mut Vec<LoggedAction>) {
     script.retain(|line| match (change, &line.action) {
@@ -142,18 +167,46 @@ fn apply(instrument: &mut Instrument, actions: Vec<Action>) -> Result<(), Error>
 mod tests {
     use chladni_harmonics::{BasisSettings, Body};
     use chladni_mesh::{Orientation, samples};
-    use chladni_music::Symmetry;
+    use chladni_music::{Form, Symmetry};
     use chladni_task::Task;
 
     use super::*;
 
-    #[test]
-    fn figures_of_sand_are_alone_on_stage_from_the_first_moment_on() {
+    fn plate() -> Dancer {
         let mesh = samples::sample("plate").unwrap();
         let body = Body::build(&mesh, &BasisSettings::new(24), &Task::new()).unwrap();
         let symmetry = Symmetry::of(&body, &Task::new()).unwrap();
         let body = symmetry.rotated(&body);
-        let dancer = Dancer::new(&body, &symmetry.classes, &Orientation::Y_UP).unwrap();
+        Dancer::new(&body, &symmetry.classes, &Orientation::Y_UP).unwrap()
+    }
+
+    #[test]
+    fn knobs_that_the_form_ignores_are_warned_of_unless_another_form_may_come() {
+        let dancer = plate();
+        let mu = Action::Set { parameter: Parameter::StereoMu, value: 1.0 };
+        let side = Action::Set { parameter: Parameter::SideGain, value: 3.0 };
+        let detail = Action::Set { parameter: Parameter::Detail, value: 5.0 };
+        let [filter, modal] = [Form::Filter, Form::Modal].map(|form| Action::SetForm { form });
+        let warned = |changes: &[&Action], script: &[LoggedAction], voices: bool| {
+            let changes: Vec<Action> = changes.iter().copied().cloned().collect();
+            let beginning = Beginning { changes: changes.clone(), ..Beginning::default() };
+            let (instrument, _) = beginning.begin(&dancer, false).unwrap();
+            let warnings = in_vain(&changes, &instrument, script, voices);
+            warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        let said = warned(&[&mu, &mu], &[], false);
+        assert!(said.len() == 1 && said[0].contains("Without effect in halves"), "{said:?}");
+        assert_eq!(warned(&[&mu, &side, &detail], &[], false).len(), 2);
+        assert_eq!(warned(&[&mu, &side], &[], true).len(), 1);
+        assert_eq!(warned(&[&filter, &mu, &side, &detail], &[], false).len(), 0);
+        assert_eq!(warned(&[&modal, &mu, &side, &detail], &[], false).len(), 1);
+        let later = LoggedAction { moment: Moment::default(), action: modal };
+        assert_eq!(warned(&[&mu], &[later], false).len(), 0);
+    }
+
+    #[test]
+    fn figures_of_sand_are_alone_on_stage_from_the_first_moment_on() {
+        let dancer = plate();
         let on_stage = |beginning: Beginning| {
             let (instrument, _) = beginning.begin(&dancer, true).unwrap();
             let scene = instrument.scene(0.0).unwrap();

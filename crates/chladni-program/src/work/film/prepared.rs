@@ -8,11 +8,12 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::vec3::single;
-use chladni_music::{Ensemble, Instrument};
+use chladni_music::{Action, Ensemble, Instrument, PAPER_MODE};
 use chladni_sound::{WavSample, write_wav};
 use chladni_view::{Film as Reel, FilmFormat, FilmSettings};
 
 use super::animation::{Animation, Approximation};
+use super::beginning::in_vain;
 use super::output::Output;
 use super::performance::{Done, Performance};
 use super::report::Seconds;
@@ -81,6 +82,12 @@ impl Prepared {
         let keeps_look = wanted.beginning.keeps_look;
         let held = wanted.beginning.changes.clone();
         let begun = std::mem::take(&mut wanted.beginning).begin(&dancer, is_flat(&rest))?;
+        let holds_form = held.iter().any(|change| matches!(change, Action::SetForm { .. }));
+        if holds_form || !wanted.autopilot {
+            // Paper mode turns knobs that another form, asked for beside it, may ignore.
+            let asked = held.strip_prefix(&PAPER_MODE).unwrap_or(&held);
+            watcher.warn_each(in_vain(asked, &begun.0, &begun.1, !voices.is_empty()));
+        }
         let box_diagonal = dancer.box_diagonal;
         let voices = voices.into_iter().map(|(_, term)| term).collect();
         let ensemble = Ensemble::new(dancer).with_voices(voices)?;
