@@ -3,11 +3,11 @@
 use std::sync::LazyLock;
 
 use chladni_view::Picture;
-use egui::epaint::FontColorTransferFunction;
-use egui::epaint::text::{Fonts, TextOptions, ViewportKey};
-use egui::mutex::Mutex;
-use egui::text::{LayoutJob, TextFormat, TextWrapping};
-use egui::{Color32, ColorImage, FontDefinitions, FontId};
+use epaint::mutex::Mutex;
+use epaint::text::{
+    FontDefinitions, FontId, Fonts, LayoutJob, TextFormat, TextOptions, TextWrapping, ViewportKey,
+};
+use epaint::{Color32, ColorImage, FontColorTransferFunction};
 
 use super::system_fonts::system_fonts;
 use super::titles::{halo_offsets, halo_opacity};

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, LazyLock};
 
-use egui::epaint::text::FontProvider;
 use egui_system_font_provider::SystemFontProvider;
+use epaint::text::FontProvider;
 
 /// Finds a font for characters that no other has. Window and pictures share it: it lists the fonts once, on a thread of its
 /// own.
