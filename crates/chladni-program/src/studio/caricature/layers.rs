@@ -131,7 +131,7 @@ impl LayerList {
                     if layer.solo {
                         // The accent is not seen on a chosen row.
                         let plate = solo.rect.expand(3.0);
-                        ui.painter().set(under, egui::epaint::RectShape::filled(plate, 5.0, palette.stage));
+                        ui.painter().set(under, epaint::RectShape::filled(plate, 5.0, palette.stage));
                     }
                     if solo.clicked() {
                         edits.set(id, Property::Solo(!layer.solo));

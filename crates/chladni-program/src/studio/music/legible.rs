@@ -49,7 +49,7 @@ mod tests {
                 let place = Anchored { at: ui.max_rect().min, anchor: Align2::LEFT_TOP, width };
                 show(ui, place, "The long name of a dance\nthat nobody cut", 20.0, Color32::WHITE);
             });
-            let width = |shape: &egui::epaint::ClippedShape| shape.shape.visual_bounding_rect().width();
+            let width = |shape: &epaint::ClippedShape| shape.shape.visual_bounding_rect().width();
             output.shapes.iter().map(width).fold(0.0, f32::max)
         };
         assert!(widest(100.0) <= 103.0 && widest(100.0) > 60.0 && widest(2000.0) > 250.0);

@@ -1,7 +1,7 @@
 //! Spectrum, level and beat, as they are heard.
 
-use egui::epaint::PathShape;
 use egui::{Align2, Color32, FontId, Pos2, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
+use epaint::PathShape;
 
 use super::curve;
 use super::listening::{Listening, Loudness};

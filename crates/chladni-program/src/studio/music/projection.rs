@@ -81,7 +81,7 @@ impl Projection {
                 let uv = [column, row].map(|i| i as f32 / CELLS as f32);
                 let [x, y] = self.map(uv);
                 let pos = rect.min + vec2(x, y) * rect.size();
-                mesh.vertices.push(egui::epaint::Vertex { pos, uv: uv.into(), color: tint });
+                mesh.vertices.push(epaint::Vertex { pos, uv: uv.into(), color: tint });
             }
         }
         let at = |row: usize, column: usize| (row * (CELLS + 1) + column) as u32;
@@ -219,7 +219,7 @@ mod tests {
         let mut most = 0.0f32;
         for triangle in mesh.indices.chunks(3) {
             let corners = [0, 1, 2].map(|i| mesh.vertices[triangle[i] as usize]);
-            let mean = |of: fn(&egui::epaint::Vertex) -> Vec2| {
+            let mean = |of: fn(&epaint::Vertex) -> Vec2| {
                 corners.iter().map(of).fold(Vec2::ZERO, |sum, v| sum + v) / 3.0
             };
             let (drawn, uv) = (mean(|vertex| vertex.pos.to_vec2()), mean(|vertex| vertex.uv.to_vec2()));

@@ -140,7 +140,7 @@ mod tests {
         let letters = |opacity: f32| {
             let ctx = egui::Context::default();
             let output = ctx.run_ui(egui::RawInput::default(), |ui| title.show(ui, ui.max_rect(), opacity));
-            let is_text = |shape: &&egui::epaint::ClippedShape| matches!(shape.shape, egui::Shape::Text(_));
+            let is_text = |shape: &&epaint::ClippedShape| matches!(shape.shape, egui::Shape::Text(_));
             output.shapes.iter().filter(is_text).count()
         };
         // Eight times for the halo, and once in white.

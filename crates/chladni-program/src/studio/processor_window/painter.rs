@@ -5,8 +5,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use egui::epaint::{ClippedPrimitive, ImageDelta, Mesh, Primitive, Vertex};
 use egui::{ColorImage, ImageData, TextureFilter, TextureId, TexturesDelta};
+use epaint::{ClippedPrimitive, ImageDelta, Mesh, Primitive, Vertex};
 use rayon::prelude::*;
 
 use super::span::{Gradient, Ink, Span, Texels};

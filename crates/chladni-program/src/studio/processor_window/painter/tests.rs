@@ -1,7 +1,7 @@
 //! Tests of the pixels that the painter covers, and of their colors.
 
-use egui::epaint::TextureManager;
 use egui::{Color32, Rect, TextureOptions, pos2, vec2};
+use epaint::TextureManager;
 use proptest::prelude::*;
 
 use super::*;
