@@ -6,7 +6,7 @@ use std::sync::Arc;
 use chladni_harmonics::Body;
 use chladni_mesh::{Orientation, symmetric_eigen};
 use chladni_music::{
-    Beat, Class, Dancer, Framing, Instrument, Parameter, Parameters, Reaction, Switch, Viewpoint, react,
+    Beat, Class, Dancer, Form, Framing, Instrument, Parameter, Parameters, Reaction, Switch, Viewpoint, react,
 };
 use chladni_view::filling::surface_points;
 use chladni_view::framing::extremes;
@@ -96,12 +96,8 @@ pub fn along(body: &Body, dancer: &Dancer) -> Vec<f32> {
 
 /// Whether all of `positions` lie in a plane, however it is tilted, or nearly.
 pub fn is_flat(positions: &[[f32; 3]]) -> bool {
-    let mut sides = principal_axes(positions).map(|axis| {
-        let [low, high] = ends(positions, axis);
-        high - low
-    });
-    sides.sort_by(f32::total_cmp);
-    sides[0] < SHEET * sides[1]
+    let [(_, thickness), (_, side), _] = by_extent(positions);
+    thickness < SHEET * side
 }
 
 /// Sets the stage for one body, frame after frame.
@@ -119,11 +115,20 @@ pub struct Staging {
     flat: bool,
     /// The displacement for which a cell has room, and the points that have to fit into it for that: of one shape, and
     /// of a gallery. Two windows may show both in every frame, and the points take long to find.
-    rooms: [(f32, Vec<[f32; 3]>); 2],
+    rooms: [Room; 2],
     /// Points of the surface, and from how far they fill a picture.
     surface: Vec<[f32; 3]>,
     filled: Option<Filled>,
     own: Option<OwnLook>,
+}
+
+/// The room for a displacement: the points that have to be seen.
+#[derive(Default)]
+struct Room {
+    limit: f32,
+    /// A sheet that moves along its normal needs none to its sides.
+    along_normal: bool,
+    points: Vec<[f32; 3]>,
 }
 
 /// A sheet is thinner than this share of its shorter side.
@@ -136,6 +141,9 @@ const SURFACE_POINTS: usize = 5000;
 const ASPECT_STEP: f32 = 0.02;
 /// The same for limits of displacement, upward: who drags that knob does not wait for them in every frame.
 const LIMIT_STEP: f32 = 0.08;
+
+/// Room is made for at least this gain below sand.
+const LEAST_GAIN: f32 = 0.05;
 
 /// All that a picture shows beside the shapes themselves.
 #[derive(Clone, Debug, PartialEq)]
@@ -222,11 +230,7 @@ impl Staging {
     ) -> Staged {
         let limit = instrument.parameters().get(Parameter::Limit);
         let is_gallery = items > 1 && framing.is_none();
-        let wanted = if is_gallery { GALLERY_ROOM * limit } else { limit };
-        let room = &mut self.rooms[usize::from(is_gallery)];
-        if room.0 != wanted {
-            *room = (wanted, extremes(&self.dancer.room(&self.rest, wanted)));
-        }
+        self.make_room(is_gallery, instrument.parameters());
         let (viewports, columns) = Self::cells(area, items);
         let aspect = layout::narrowest(&viewports);
         let camera = match framing {
@@ -247,6 +251,24 @@ impl Staging {
         Staged { area, camera, look, viewports, columns }
     }
 
+    /// Finds the points that have to be seen with these knobs, where others were wanted before.
+    fn make_room(&mut self, is_gallery: bool, knobs: &Parameters) {
+        // What sand lies on hardly moves.
+        let gain = knobs.get(Parameter::Gain).abs().clamp(LEAST_GAIN, 1.0);
+        let share = if knobs.is_on(Switch::Sand) { stepped_up(gain).min(1.0) } else { 1.0 };
+        let limit = knobs.get(Parameter::Limit) * if is_gallery { GALLERY_ROOM } else { share };
+        let along_normal = self.flat && knobs.form == Form::Modal;
+        let room = &mut self.rooms[usize::from(is_gallery)];
+        if (room.limit, room.along_normal) != (limit, along_normal) {
+            let points = if along_normal {
+                moved_both_ways(&self.rest, limit * self.dancer.box_diagonal)
+            } else {
+                self.dancer.room(&self.rest, limit)
+            };
+            *room = Room { limit, along_normal, points: extremes(&points) };
+        }
+    }
+
     /// All of the shape, however the beat turns it.
     fn usual(
         &self,
@@ -259,7 +281,7 @@ impl Staging {
         let Viewpoint { yaw_rad, pitch_rad, .. } = *viewpoint;
         let mut camera = Camera { yaw_rad, pitch_rad, stands: self.stands, ..Camera::default() };
         let swing_rad = if knobs.is_on(Switch::BeatTurns) { knobs.get(Parameter::TurnRad) } else { 0.0 };
-        camera.fit_swing(&self.rooms[usize::from(is_gallery)].1, aspect, FILL, swing_rad);
+        camera.fit_swing(&self.rooms[usize::from(is_gallery)].points, aspect, FILL, swing_rad);
         camera.distance *= viewpoint.distance;
         // The shape turns about its own axis, wherever the picture is shifted to.
         camera.yaw_rad = viewpoint.yaw_rad - reaction.turn_rad;
@@ -275,8 +297,8 @@ impl Staging {
         framing: &Framing,
         reaction: Reaction,
     ) -> Camera {
-        let [(limit, points), _] = &self.rooms;
-        let limit = ((limit.ln() / LIMIT_STEP).ceil() * LIMIT_STEP).exp();
+        let [Room { limit, points, .. }, _] = &self.rooms;
+        let limit = stepped_up(*limit);
         let aspect = ((aspect.ln() / ASPECT_STEP).round() * ASPECT_STEP).exp();
         let known = self.filled.take().filter(|filled| filled.limit == limit && filled.aspect == aspect);
         let filled = known.unwrap_or_else(|| {
@@ -315,6 +337,16 @@ fn component(p: &[f32; 3], axis: [f32; 3]) -> f32 {
     (0..3).map(|i| p[i] * axis[i]).sum()
 }
 
+/// The principal axes of points and how far they extend along each, the shortest first.
+fn by_extent(points: &[[f32; 3]]) -> [([f32; 3], f32); 3] {
+    let mut axes = principal_axes(points).map(|axis| {
+        let [low, high] = ends(points, axis);
+        (axis, high - low)
+    });
+    axes.sort_by(|a, b| a.1.total_cmp(&b.1));
+    axes
+}
+
 /// The principal axes of points, of which each has the same weight.
 fn principal_axes(points: &[[f32; 3]]) -> [[f32; 3]; 3] {
     let count = points.len().max(1) as f64;
@@ -327,6 +359,18 @@ fn principal_axes(points: &[[f32; 3]]) -> [[f32; 3]; 3] {
         }
     }
     symmetric_eigen(covariance).1.map(|axis| axis.map(|c| c as f32))
+}
+
+/// A limit, or the next one for which room is made.
+fn stepped_up(limit: f32) -> f32 {
+    ((limit.ln() / LIMIT_STEP).ceil() * LIMIT_STEP).exp()
+}
+
+/// The points of a sheet that has moved so far along its normal, to either side.
+fn moved_both_ways(sheet: &[[f32; 3]], far: f32) -> Vec<[f32; 3]> {
+    let [(normal, _), ..] = by_extent(sheet);
+    let moved = |by: f32| sheet.iter().map(move |p| std::array::from_fn(|i| p[i] + by * normal[i]));
+    moved(far).chain(moved(-far)).collect()
 }
 
 /// From where to where points reach along an axis.
@@ -367,7 +411,7 @@ impl Staged {
 mod tests {
     use super::*;
     use chladni_mesh::surface::vec3::single;
-    use chladni_music::GalleryShape;
+    use chladni_music::{Action, GalleryShape, Moment, SAND_MODE};
 
     /// Of a ball, which stands upright.
     fn staging() -> Staging {
@@ -394,7 +438,7 @@ mod tests {
     #[test]
     fn how_a_picture_came_to_its_size_plays_no_part() {
         let mut staging = staging();
-        staging.rooms[0].0 = 1.0;
+        staging.rooms[0].limit = 1.0;
         let still = Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 };
         let (viewpoint, framing) = (Viewpoint::default(), Framing::default());
         let mut seen = |aspect: f32| staging.chosen(aspect, &viewpoint, &framing, still);
@@ -410,7 +454,7 @@ mod tests {
     fn the_sides_of_a_moving_figure_stay_in_a_narrow_picture() {
         let mut staging = staging();
         let limit = Parameter::Limit.initial();
-        staging.rooms[0].0 = limit;
+        staging.rooms[0].limit = limit;
         let still = Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 };
         let picture = Rect::of_size(900, 1600);
         let camera = staging.chosen(picture.aspect(), &Viewpoint::default(), &Framing::default(), still);
@@ -430,7 +474,7 @@ mod tests {
         let distance = |flat: bool| {
             // A ball looks the same from above, where sheets are seen from.
             let mut staging = Staging { flat, ..staging() };
-            staging.rooms[0].0 = Parameter::Limit.initial();
+            staging.rooms[0].limit = Parameter::Limit.initial();
             staging.chosen(0.4, &Viewpoint::default(), &Framing::default(), still).distance
         };
         let share = distance(true) / distance(false);
@@ -439,8 +483,16 @@ mod tests {
 
     /// The picture of items from the viewpoint that is there first.
     fn staged(staging: &mut Staging, items: usize) -> Staged {
+        staged_after(staging, items, &[])
+    }
+
+    /// The same after some actions.
+    fn staged_after(staging: &mut Staging, items: usize, actions: &[Action]) -> Staged {
         let shape = GalleryShape { eigenvalues: (0..8).map(f64::from).collect(), bands: 8 };
-        let instrument = Instrument::new(1, 9, shape).unwrap();
+        let mut instrument = Instrument::new(1, 9, shape).unwrap();
+        for action in actions {
+            instrument.apply(Moment::default(), action.clone()).unwrap();
+        }
         let still = Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 };
         let from = (&Viewpoint::default(), None);
         staging.set(Rect::of_size(300, 300), items, from, &Look::PLAIN, still, &instrument)
@@ -452,6 +504,18 @@ mod tests {
         let mut distance = |items| staged(&mut staging, items).camera.distance;
         let share = distance(9) / distance(1);
         assert!((0.93..0.99).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn what_sand_lies_on_and_sheets_that_move_along_their_normal_fill_more_of_the_picture() {
+        let distance = |flat: bool, actions: &[Action]| {
+            staged_after(&mut Staging { flat, ..staging() }, 1, actions).camera.distance
+        };
+        let modal = [Action::SetForm { form: Form::Modal }];
+        assert!(distance(false, &SAND_MODE) < 0.9 * distance(false, &modal));
+        // The ball has a normal in one direction only, if it is called flat.
+        assert!(distance(true, &modal) < 0.95 * distance(false, &modal));
+        assert!(distance(true, &SAND_MODE) <= distance(false, &SAND_MODE));
     }
 
     #[test]
