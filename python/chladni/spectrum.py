@@ -104,8 +104,7 @@ def eigsh(
     sigma, which, mode
         What asks for the smallest: ``sigma`` at or below 0 with ``which`` "LM" or "LA"; a sigma so little above 0 that the
         k nearest are the k smallest, or any with k = n, with "LM"; or "SM" or "SA" without a sigma. Anything else is
-        refused.
-        Where sigma lies does not matter: the solver chooses its own shifts.
+        refused. Where sigma lies does not matter: the solver chooses its own shifts.
     tol : float
         0 for any, else the relative residual to be content with: ‖A x − λ M x‖ / ‖A x‖ of each pair with λ above 0. It is
         never the reason to stop; pairs that exceed it are refused.

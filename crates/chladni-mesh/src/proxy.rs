@@ -25,8 +25,8 @@ pub struct Proxy {
     farthest: f64,
 }
 
-/// How far detail may swell or shrink with the surface that carries it, or as far as the whole surface does, where
-/// that is farther.
+/// How far detail may swell or shrink with the surface that carries it; as many times more where the whole surface
+/// grows, or shrinks.
 const SWELLING: [f64; 2] = [0.25, 4.0];
 
 /// The largest share of vertices that may lie in pieces that vanish from the proxy.

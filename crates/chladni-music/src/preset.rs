@@ -88,7 +88,8 @@ impl Preset {
         self.waves_per_size.is_empty().then(|| {
             format!(
                 "“{}” is a preset of version {}: it moves the same only where as many harmonics are used as where \
-                 it was made, and its form and knobs are not known. Keep it again to bring it up to date.",
+                 it was made, and of its form and knobs only that nothing resonated is known. Keep it again to bring it \
+                 up to date.",
                 self.name, self.format_version
             )
         })

@@ -36,7 +36,18 @@ fn never_names(folder: &str, words: &[&str]) {
 #[test]
 fn work_knows_neither_a_window_nor_a_command_line() {
     let above = ["crate::cli", "crate::studio", "crate::window"];
-    let tools = ["egui::", "eframe", "rfd::", "clap", "indicatif", "println!", "eprintln!"];
+    let tools = [
+        "egui::",
+        "egui as",
+        "egui_winit",
+        "egui_wgpu",
+        "eframe",
+        "rfd::",
+        "clap",
+        "indicatif",
+        "println!",
+        "eprintln!",
+    ];
     never_names("work", &[&above[..], &tools].concat());
 }
 

@@ -2,7 +2,7 @@
 
 /// eframe's settings for a window, which brings the fonts of the system itself.
 pub fn graphics_window(viewport: egui::ViewportBuilder) -> eframe::NativeOptions {
-    // eframe would list the fonts again, which takes long.
+    // Without its own feature for them, eframe would warn that fonts are missing.
     let system_font_fallback = false;
     eframe::NativeOptions {
         viewport,

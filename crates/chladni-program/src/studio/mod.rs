@@ -149,7 +149,7 @@ impl Studio {
                 if !unread.is_empty() {
                     let names = unread.join(", ");
                     notices.warn(format!(
-                        "Preferences that are not understood stay in the file; the usual ones count: {names}."
+                        "Not understood in the preferences, and left there as it is: {names}. The usual values are used."
                     ));
                 }
                 settings

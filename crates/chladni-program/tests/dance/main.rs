@@ -531,25 +531,6 @@ fn knobs_switches_and_choices_are_set_by_their_names() {
 }
 
 #[test]
-fn a_knob_that_the_form_ignores_is_warned_of() {
-    use chladni_music::{Action, Parameter};
-    use chladni_program::work::{Aside, film};
-    let folder = tempfile::tempdir().unwrap();
-    let mesh = folder.path().join("ball.obj");
-    ball(&mesh);
-    let output = film::Output { coefficients: Some(folder.path().join("c.npz")), ..film::Output::nowhere() };
-    let changes = vec![Action::Set { parameter: Parameter::StereoMu, value: 1.0 }];
-    let beginning = film::Beginning { changes, ..film::Beginning::default() };
-    let mut film = film::Film::new(mesh.display().to_string(), "sample:tune".into(), beginning, output);
-    (film.harmonics, film.duration_secs) = (Some(24), Some(0.1));
-    let task = chladni_task::Task::new();
-    let aside = Aside::new(&task);
-    film::make(film, &aside).map(drop).unwrap();
-    let said: Vec<String> = aside.warnings().iter().map(ToString::to_string).collect();
-    assert!(said.iter().any(|warning| warning.contains("Without effect in halves")), "{said:?}");
-}
-
-#[test]
 fn a_film_that_is_cancelled_leaves_nothing() {
     use chladni_program::work::{Aside, film};
     let folder = tempfile::tempdir().unwrap();

@@ -6,6 +6,7 @@ use chladni_music::{
     Action, FileRef, Form, GalleryShape, Instrument, LoggedAction, Moment, Parameter, Settings, SongRef,
     Stretch, Switch,
 };
+use chladni_program::work::{Aside, film};
 use chladni_sound::{Song, WavSample, write_wav};
 
 use crate::looks::{frame, show};
@@ -62,6 +63,23 @@ fn sand_holds_throughout_a_show() {
         assert_ne!(danced(&both, &[]), danced(&one, &[]), "{change:?} changes nothing");
         assert_eq!(danced(&[change], &["--sand"]), plain);
     }
+}
+
+#[test]
+fn a_knob_that_the_form_ignores_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("ball.obj");
+    ball(&mesh);
+    let output = film::Output { coefficients: Some(folder.path().join("c.npz")), ..film::Output::nowhere() };
+    let changes = vec![Action::Set { parameter: Parameter::StereoMu, value: 1.0 }];
+    let beginning = film::Beginning { changes, ..film::Beginning::default() };
+    let mut film = film::Film::new(mesh.display().to_string(), "sample:tune".into(), beginning, output);
+    (film.harmonics, film.duration_secs) = (Some(24), Some(0.1));
+    let task = chladni_task::Task::new();
+    let aside = Aside::new(&task);
+    film::make(film, &aside).map(drop).unwrap();
+    let said: Vec<String> = aside.warnings().iter().map(ToString::to_string).collect();
+    assert!(said.iter().any(|warning| warning.contains("Without effect in halves")), "{said:?}");
 }
 
 #[test]

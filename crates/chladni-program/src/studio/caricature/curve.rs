@@ -48,20 +48,22 @@ pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &Spectrum) 
     if on_residual {
         drag_residual(&response, plot.residual, curve);
     } else {
-        match pen {
+        let pointed = match pen {
             Pen::Points => drag_points(ui, &response, plot.curve, curve),
-            Pen::Free => draw_freely(ui, &response, plot.curve, curve),
-        }
-        let pointer = response.interact_pointer_pos().filter(|_| *curve != before);
-        if let Some(at) = pointer {
-            let [wavelength, _] = from_screen(plot.curve, at);
+            Pen::Free => {
+                draw_freely(ui, &response, plot.curve, curve);
+                response.interact_pointer_pos().map(|at| from_screen(plot.curve, at)[0])
+            }
+        };
+        if let Some(wavelength) = pointed.filter(|_| *curve != before) {
             CurveKeys::follow(ui, &response, POINT, share_of_axis(wavelength) as f32);
         }
     }
     if let (Some(keys), Some(wave)) = (keys.filter(|keys| keys.rise != 0.0), there) {
-        let is_there = |other: &f64| (share_of_axis(*other) - share_of_axis(wave)).abs() < GAP;
+        let away = |other: &f64| (share_of_axis(*other) - share_of_axis(wave)).abs();
         // A point that is there already is moved.
-        let wave = curve.points.iter().map(|point| point[0]).find(is_there).unwrap_or(wave);
+        let points = curve.points.iter().map(|point| point[0]).filter(|other| away(other) < GAP);
+        let wave = points.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(wave);
         let height = scale_plot::height_of(curve.at(wave)) + f64::from(keys.rise);
         curve.set_point(wave, scale_plot::gain_at(height));
     }
@@ -106,7 +108,8 @@ fn drag_residual(response: &Response, column: Rect, curve: &mut ScaleCurve) {
     }
 }
 
-fn drag_points(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve) {
+/// Returns the wavelength of the point that was moved or set.
+fn drag_points(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve) -> Option<f64> {
     let held_id = response.id.with("held");
     let nearest = |curve: &ScaleCurve, at: Pos2| {
         let distance = |p: &[f64; 2]| to_screen(plot, *p).distance(at);
@@ -114,27 +117,32 @@ fn drag_points(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve)
             .min_by(|&a, &b| distance(&curve.points[a]).total_cmp(&distance(&curve.points[b])))
             .filter(|&i| distance(&curve.points[i]) <= GRIP)
     };
-    let Some(at) = response.interact_pointer_pos() else { return };
+    let at = response.interact_pointer_pos()?;
     if response.secondary_clicked() {
         if let Some(index) = nearest(curve, at).filter(|_| curve.points.len() > 2) {
             curve.points.remove(index);
         }
-        return;
+        return None;
     }
+    let mut moved = None;
     if response.drag_started_by(egui::PointerButton::Primary) || response.clicked() {
         // A drag is noticed some way from where it began.
         let at = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
         let [wavelength, gain] = from_screen(plot, at);
         let held = nearest(curve, at).unwrap_or_else(|| curve.set_point(wavelength, gain));
         ui.data_mut(|data| data.insert_temp(held_id, held));
+        moved = curve.points.get(held).map(|point| point[0]);
     }
     if response.dragged_by(egui::PointerButton::Primary)
         && let Some(held) = ui.data(|data| data.get_temp::<usize>(held_id))
         && held < curve.points.len()
     {
         let [wavelength, gain] = from_screen(plot, at);
-        curve.points[held] = [between_neighbors(&curve.points, held, wavelength), gain];
+        let wavelength = between_neighbors(&curve.points, held, wavelength);
+        curve.points[held] = [wavelength, gain];
+        moved = Some(wavelength);
     }
+    moved
 }
 
 /// How near two points may come, as a share of the axis.
