@@ -15,7 +15,8 @@ export const waitsFor = (name) => waiting?.shape === name || !!waiting?.template
 /** How many bytes of meshes are kept that neither the open shape nor a project that waits needs: a project may name them. */
 const IDLE_BYTES = 2 ** 27;
 
-/** Forgets such meshes, the oldest first, where they are large together: the open shape has this name and these templates. */
+/** Forgets such meshes, the oldest first, where they are large together. The open shape has this name, and these
+ * templates. */
 export function forgetIdle(name, templates) {
   const needed = new Set([base(name), ...templates.map(base), ...(waiting?.templates ?? [])]);
   const idle = [...files].filter(([each]) => !needed.has(each));
