@@ -13,6 +13,7 @@ import * as microphone from "./tests/microphone.mjs";
 import * as models from "./tests/models.mjs";
 import * as music from "./tests/music.mjs";
 import { offline } from "./tests/offline.mjs";
+import { projects } from "./tests/projects.mjs";
 import * as returns from "./tests/returns.mjs";
 import * as shows from "./tests/shows.mjs";
 import { threads } from "./tests/threads.mjs";
@@ -25,7 +26,7 @@ const rooms = {
   beats: [beats],
   shows: [shows.shows, shows.flashes, shows.withoutSong, shows.films],
   returns: [returns.dances, returns.settings, returns.galleries, returns.overtaken, returns.layers],
-  haste: [haste.shapes, haste.songs, haste.films, haste.layers, haste.projects],
+  haste: [haste.shapes, haste.songs, haste.films, haste.layers, projects],
   beginnings: [beginnings.beginnings, beginnings.lostTune, beginnings.withoutSong, beginnings.slowly],
   films: [shows.wholeFilms, shows.stoppedFilms, shows.brokenFilms],
   microphone: [microphone.heard, microphone.refused],

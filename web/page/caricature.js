@@ -1,8 +1,9 @@
 // The caricature room: it shows a sitting, and passes on what a person does. All that deforms is in the module.
-import { Sitting, needs_of_project, samples, starting_points } from "./chladni_web.js";
+import { Sitting, samples, starting_points } from "./chladni_web.js";
 import { ask, giveUp, obsolete } from "./work.js";
-import { attempt, attemptOf, base, busy, label, of, on, options, report, say, within } from "./page.js";
+import { attempt, attemptOf, base, busy, label, numberIn, of, on, options, report, say } from "./page.js";
 import { scale, show as showPicture, stir } from "./picture.js";
+import * as brought from "./brought.js";
 import * as chosen from "./chosen.js";
 import * as exports from "./exports.js";
 import * as heat from "./heat.js";
@@ -22,12 +23,8 @@ const REST = 700;
 let sitting;
 let state;
 let shape = {};
-/** What was brought, by name: shapes and templates. */
-const files = new Map();
 /** The matches with each file that the shape was asked for, by the file's name. */
 const requests = new Map();
-/** A project that waits for its shape, and the templates that it names besides. */
-let waiting;
 /** How often a shape was opened: what was asked for an older one is not wanted any more. */
 let opened = 0;
 /** The shape that is being matched. */
@@ -77,6 +74,8 @@ const room = {
 
 // ---- shapes, matches, projects
 
+export { openProject, takeMesh, waitsFor } from "./brought.js";
+
 /** The project is one of a file: what is changed in it is missed even where no layer is left. */
 let isOfFile = false;
 /** The name of the file from which it was opened, without its ending. */
@@ -110,8 +109,8 @@ async function openShape(name, bytes, project, first, came = []) {
   isOfFile = project !== undefined;
   projectStem = project?.name.replace(/\.[^.]*$/, "");
   requests.clear();
-  forgetFiles(name);
-  for (const [each, mesh] of came) files.set(each, mesh);
+  brought.forgetIdle(name, JSON.parse(sitting.needs()).templates);
+  for (const [each, mesh] of came) brought.files.set(each, mesh);
   empty(false);
   ink.again(true);
   shape = { name, bytes };
@@ -119,22 +118,6 @@ async function openShape(name, bytes, project, first, came = []) {
   hold("turn");
   refresh();
   attemptOf(label(name), () => Promise.all([solve(mine), match()]));
-}
-
-/** How many bytes of meshes are kept that neither the open shape nor a project that waits needs: a project may name them. */
-const IDLE_BYTES = 2 ** 27;
-
-/** Forgets such meshes, the oldest first, where they are large together. */
-function forgetFiles(name) {
-  const templates = JSON.parse(sitting.needs()).templates.map(base);
-  const needed = new Set([base(name), ...templates, ...(waiting?.templates ?? [])]);
-  const idle = [...files].filter(([each]) => !needed.has(each));
-  let bytes = idle.reduce((sum, [, mesh]) => sum + mesh.length, 0);
-  for (const [each, mesh] of idle) {
-    if (bytes <= IDLE_BYTES) return;
-    files.delete(each);
-    bytes -= mesh.length;
-  }
 }
 
 /** Has a worker solve for the harmonics of the shape. */
@@ -186,13 +169,13 @@ async function match() {
   try {
     for (let next; mine === opened && (next = sitting.missing()); refresh()) {
       const { request, template, file } = JSON.parse(next);
-      const brought = file ? files.get(base(template)) : undefined;
+      const mesh = file ? brought.files.get(base(template)) : undefined;
       if (file) remember(base(template), request);
       // Another file of its name has come since.
-      const isOutdated = () => file && files.get(base(template)) !== brought;
-      if (file && !brought) { sitting.fail(request, `bring ${base(template)}, too`); continue; }
+      const isOutdated = () => file && brought.files.get(base(template)) !== mesh;
+      if (file && !mesh) { sitting.fail(request, `bring ${base(template)}, too`); continue; }
       try {
-        const asked = { work: "match", name: shape.name, bytes: shape.bytes?.slice(), request, template: brought };
+        const asked = { work: "match", name: shape.name, bytes: shape.bytes?.slice(), request, template: mesh };
         const before = await matchedBefore(shape.name, template, request);
         const { found, secs } = before ? { found: before, secs: 0 } : await busy(label(base(template)), (tell) => ask(asked, tell, "match"));
         if (mine !== opened) return;
@@ -216,110 +199,13 @@ function remember(file, request) {
   requests.get(file).add(request);
 }
 
-/** Whether two files hold the same bytes. */
-const areSame = (one, other) => one?.length === other?.length && one.every((byte, i) => byte === other[i]);
-
-/** Keeps a mesh by its name. Where that is the name of another one, matches with it are forgotten; gives whether layers are
- * compared with it. */
-function keep(name, bytes) {
-  const before = files.get(name);
-  files.set(name, bytes);
-  if (!sitting || !before || areSame(before, bytes)) return false;
+/** Another mesh has come by this name: matches with the one before are forgotten. */
+function forgetMatches(name) {
   if (held === "landmarks") hold("turn");
   // Its worker has the matches with the file before.
   if (requests.has(name)) wall.leave();
   for (const request of requests.get(name) ?? []) sitting.forget(request);
   requests.delete(name);
-  return comparedWith(name).length > 0;
-}
-
-/** The layers that are compared with this file. */
-const comparedWith = (name) => state?.layers.filter(({ template }) => base(template) === name) ?? [];
-
-/** Takes landmarks from the layers that are compared with this file, which is another one now: they are vertices of
- * the one before. Gives whether there were any. */
-function dropLandmarks(name) {
-  const marked = comparedWith(name).filter(({ landmarks }) => landmarks.length);
-  for (const { id } of marked) { sitting.select(id); sitting.open_landmarks(""); }
-  if (marked.length && state.selected !== null) sitting.select(state.selected);
-  return marked.length > 0;
-}
-
-/** The page knows a file by its name alone: a project may not name two files of one name. */
-function refuseNamesakes(name, paths) {
-  const names = [...new Set(paths)].map(base);
-  const twice = names.find((each, i) => names.indexOf(each) < i);
-  if (twice) throw new Error(`${name} names two meshes that are both called ${twice}: a page knows files by their names alone; rename one.`);
-}
-
-/** Opens the text of a project, once its shape is there. What it names of the meshes `beside` it, by their names, it takes
- * out of them; they come before others of their names. */
-export async function openProject(name, bytes, beside = new Map()) {
-  const text = new TextDecoder().decode(bytes);
-  const needs = JSON.parse(needs_of_project(name, text));
-  refuseNamesakes(name, [needs.shape, ...needs.templates]);
-  const shapeName = base(needs.shape);
-  const brought = needs.file ? beside.get(shapeName) ?? files.get(shapeName) : undefined;
-  if (needs.file && !brought) {
-    waiting = { name, bytes, shape: shapeName, templates: needs.templates.map(base) };
-    return say(`${name} is made on ${shapeName}: bring that mesh, too.`, false, 600);
-  }
-  waiting = undefined;
-  const named = new Set([shapeName, ...needs.templates.map(base)]);
-  const came = [...beside].filter(([each]) => named.has(each));
-  for (const [each] of came) beside.delete(each);
-  await openShape(needs.shape, brought, { name, text }, undefined, came);
-}
-
-/** A mesh was brought: the shape of a project that waits, a template that a layer or such a project waits for, or, as the
- * user says, one of both. */
-export async function takeMesh(name, bytes) {
-  const isNew = !files.has(name);
-  const isOther = keep(name, bytes);
-  const without = isOther && dropLandmarks(name) ? ", without their landmarks" : "";
-  const matchAnew = () => { attemptOf(name, changed); };
-  if (waiting?.shape === name) {
-    await openProject(waiting.name, waiting.bytes);
-    // Where the shape has stayed, its layers are matched anew.
-    return isOther ? matchAnew() : undefined;
-  }
-  const wanting = comparedWith(name).filter((layer) => layer.state === "failed");
-  for (const layer of wanting) { sitting.select(layer.id); sitting.retry(); }
-  if (isOther) say(`${name} is another file now: the layers that are compared with it are matched anew${without}.`);
-  if (wanting.length || isOther) return matchAnew();
-  if (waitsFor(name)) return say(`${name} is kept for ${waiting.name}, which is made on ${waiting.shape}: bring that mesh, too.`, false, 600);
-  // Its turn among the matches has not come.
-  if (isNew && comparedWith(name).length) return say(`${name} is kept for the layers that are compared with it.`);
-  switch (sitting ? await whichOf(name) : "shape") {
-    case "shape": return openShape(name, bytes);
-    case "template":
-      // A project would name both by the same name, and take the shape for its template.
-      if (name === base(shape.name) && !areSame(shape.bytes, bytes)) {
-        throw new Error(`${name} has the name of the shape, and a page knows files by their names alone: rename one.`);
-      }
-      // Another shape may have been opened since the question.
-      files.set(name, bytes);
-      sitting.compare(name);
-      return matchAnew();
-    default: return undefined;
-  }
-}
-
-/** The last question: each waits for the answer to the one before. */
-let question = Promise.resolve();
-
-/** What is to become of a mesh. */
-function whichOf(name) {
-  const dialog = of("which");
-  question = question.then(() => new Promise((done) => {
-    // The room may have been left while another question waited.
-    if (document.body.dataset.view !== "caricature") return done("");
-    of("which-name").textContent = name;
-    dialog.returnValue = "";
-    dialog.onclose = () => done(dialog.returnValue);
-    dialog.showModal();
-  }));
-  return question;
 }
 
 // ---- what is done
@@ -387,7 +273,7 @@ function pickLandmarks() {
   if (held === "landmarks") { hold("turn"); return refresh(); }
   wall.leave();
   const { template } = state.layers.find(({ id }) => id === state.selected);
-  sitting.begin_landmarks(files.get(base(template))?.slice());
+  sitting.begin_landmarks(brought.files.get(base(template))?.slice());
   hold("landmarks");
   refresh();
 }
@@ -516,9 +402,6 @@ function empty(isSo) {
   for (const id of ["undo", "redo", "save-project"]) of(id).inert = isSo;
 }
 
-/** Whether a project waits for the mesh of this name, or will need it as a template. */
-export const waitsFor = (name) => waiting?.shape === name || !!waiting?.templates.includes(name);
-
 /** A mask was brought. */
 export async function takeMask(name, bytes) {
   if (!sitting) throw new Error(`${name}: a mask is the region of a layer: choose a shape first, or open one.`);
@@ -596,12 +479,13 @@ export function listen() {
   for (const id of ["ink", "tones"]) of(id).addEventListener("change", () => { of("tones-row").hidden = !of("ink").checked; if (of("ink").checked) hold("turn"); refresh(); });
   const wantedHarmonics = of("wanted-harmonics");
   wantedHarmonics.addEventListener("change", () => {
-    const count = within(wantedHarmonics) || state.wanted_harmonics;
+    const count = numberIn(wantedHarmonics) || state.wanted_harmonics;
     wantedHarmonics.value = count;
     return act({ set_harmonics: count });
   });
   const saved = () => { isOfFile = true; refresh(); };
   const caricature = { sitting: () => sitting, shape: () => shape, stem, projectStem: () => projectStem ?? stem(), refresh, saved, changed, act, set, slide, isInInk };
+  brought.listen({ ...caricature, state: () => state, openShape, forgetMatches });
   chosen.listen(caricature);
   exports.listen(caricature);
   scaleCurve.listen(caricature);

@@ -1,6 +1,6 @@
 // What the shape's color shows: a heat map and its legend.
 import { color_maps, quantities } from "./chladni_web.js";
-import { attempt, of, within } from "./page.js";
+import { attempt, numberIn, of } from "./page.js";
 
 const [NONE, OWN] = [0, 1];
 /** The number of the harmonics among what is shown: browsers may translate its name. */
@@ -44,6 +44,6 @@ export function listen(show) {
   harmonicQuantity = names.indexOf("A harmonic");
   of("heat").append(...names.map((name, i) => new Option(i === NONE ? "Its material" : name, i)));
   of("color-map").append(...JSON.parse(color_maps()).map((name) => new Option(name, name)));
-  const changed = attempt(() => show(Number(of("heat").value), within(of("harmonic")), of("color-map").value));
+  const changed = attempt(() => show(Number(of("heat").value), numberIn(of("harmonic")), of("color-map").value));
   for (const id of ["heat", "harmonic", "color-map"]) of(id).addEventListener("change", changed);
 }

@@ -73,7 +73,10 @@ async function bodyOf(name) {
 /** Another shape has dances of its own, at the knobs of the concert before, and in a look that was chosen; that of the front
  * is the plate's. Gives the songs that it has heard. */
 function goOnAs(next) {
-  if (concert) next.go_on_from(concert, JSON.stringify(state.looks) !== FRONT);
+  if (!concert) return [];
+  // Effects are left out of any look.
+  const { without, ...look } = state.looks;
+  next.go_on_from(concert, JSON.stringify(look) !== FRONT);
   return [];
 }
 

@@ -16,14 +16,18 @@ async function fresh(request) {
 /** What needs the headers: the page itself, and its workers. */
 const ISOLATED = ["document", "worker"];
 
-/** The same, isolated. */
-function isolated(response) {
+/** The policy of workers, which read files of unknown sources: they do not take that of the page. */
+const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'";
+
+/** The same, isolated; a worker gets its policy, too. */
+function isolated(response, destination) {
   // A redirection, for one, is none of ours.
   if (response.type !== "basic" && response.type !== "default") return response;
   const { body, status, statusText } = response;
   const headers = new Headers(response.headers);
   headers.set("Cross-Origin-Opener-Policy", "same-origin");
   headers.set("Cross-Origin-Embedder-Policy", "require-corp");
+  if (destination === "worker") headers.set("Content-Security-Policy", POLICY);
   return new Response(body, { status, statusText, headers });
 }
 
@@ -36,11 +40,13 @@ self.addEventListener("message", (event) => {
 });
 
 self.addEventListener("fetch", (event) => {
-  if (event.request.method !== "GET" || !isOurs(event.request.url)) return;
+  const { method, url, destination } = event.request;
+  if (method !== "GET" || !isOurs(url)) return;
   const found = fresh(event.request).catch(async (gone) => {
     const kept = await caches.match(event.request, { ignoreVary: true });
     if (kept) return kept;
     throw gone;
   });
-  event.respondWith(ISOLATED.includes(event.request.destination) ? found.then(isolated) : found);
+  const isIsolated = ISOLATED.includes(destination);
+  event.respondWith(isIsolated ? found.then((response) => isolated(response, destination)) : found);
 });

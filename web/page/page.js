@@ -120,7 +120,7 @@ export const label = (name) => name.replace("sample:", "");
 export const on = (id, act) => of(id).addEventListener("click", attempt(act));
 
 /** The whole number in a field, within its bounds; 0 where there is none. Browsers hold keys to no bounds. */
-export function within({ value, min, max }) {
+export function numberIn({ value, min, max }) {
   const number = Math.round(Number(value));
   return number && Math.min(Math.max(number, Number(min)), Number(max));
 }

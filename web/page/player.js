@@ -119,7 +119,7 @@ const ofTheList = {
     if (song === wanted) passOver();
     const next = songs.takeOut(song);
     // One that was asked for comes all the same.
-    if (next) await playSong(wanted ?? next, !!wanted);
+    if (next && !wanted) await playSong(next, false);
     else {
       repeatAsChosen();
       goOn();

@@ -79,6 +79,11 @@ fn base(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
+/// Whether a path leads to the file of this name, whose accents the page has composed: a Mac may write them apart.
+fn is_called(path: &str, name: &str) -> bool {
+    js_sys::JsString::from(base(path)).normalize("NFC") == name
+}
+
 /// The effect of beat and sound on one picture.
 struct Shot {
     at_secs: f64,

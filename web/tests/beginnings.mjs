@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { song } from "../browser.mjs";
-import { address, browser, dances, drop, folder, says, songIs, songNow, step, until } from "./driver.mjs";
+import { address, browser, dances, drop, empty, folder, says, songIs, songNow, step, until } from "./driver.mjs";
 import { holdsBack, release } from "./held.mjs";
 
 const LAPTOP = { width: 1280, height: 800 };
@@ -12,7 +12,7 @@ const LAPTOP = { width: 1280, height: 800 };
 export async function beginnings() {
   const context = await browser.newContext({ viewport: LAPTOP });
   for (const brings of [false, true]) {
-    const page = await context.newPage();
+    const page = await empty(context);
     const wrong = [];
     page.on("pageerror", (error) => wrong.push(error.message));
     await page.addInitScript(holdsBack);
@@ -41,7 +41,7 @@ export async function beginnings() {
 /** The tune whose worker stopped is decoded again once it is to be heard. */
 export async function lostTune() {
   const context = await browser.newContext({ viewport: LAPTOP });
-  const page = await context.newPage();
+  const page = await empty(context);
   await page.addInitScript(holdsBack);
   await page.addInitScript(() => { window.breaks = "decode sample:tune"; });
   await page.goto(address);
@@ -57,7 +57,7 @@ export async function lostTune() {
 /** No film is made of a song that is not there. */
 export async function withoutSong() {
   const context = await browser.newContext({ viewport: LAPTOP });
-  const page = await context.newPage();
+  const page = await empty(context);
   await page.addInitScript(holdsBack);
   await page.addInitScript(() => { window.holds = "decode sample:tune"; });
   await page.goto(address);
@@ -74,7 +74,7 @@ export async function withoutSong() {
 /** A slow network, and a broken one: what cannot be done yet says so, and the reason of a failure stays. */
 export async function slowly() {
   const context = await browser.newContext({ viewport: LAPTOP, serviceWorkers: "block" });
-  const page = await context.newPage();
+  const page = await empty(context);
   const held = new Map();
   await page.route(/chladni_web_bg\.wasm|octopus\.body/, (route) => {
     held.set(route.request().url().split("/").at(-1), route);

@@ -15,19 +15,24 @@ const refused = [];
 /** Has a page write that to its console. */
 export const tellsRefused = () => addEventListener("securitypolicyviolation", ({ effectiveDirective, blockedURI }) =>
   console.error(`The policy refuses ${blockedURI}, by ${effectiveDirective}`));
-/** The pages that were opened have kept their policy. */
+/** No page was refused anything. */
 export const keepsPolicy = () => assert.deepEqual(refused, []);
 export const step = (text) => console.log(`web: ${text}`);
 
+/** A page that is still empty, and will tell what its policy refuses. */
+export async function empty(context) {
+  const page = await context.newPage();
+  page.on("console", (message) => { if (message.text().startsWith("The policy refuses")) refused.push(message.text()); });
+  await page.addInitScript(tellsRefused);
+  return page;
+}
+
 export async function opened(viewport, touch, { within = browser, at = address, query = "", prepare, reducedMotion, answers = () => true } = {}) {
   const context = await within.newContext({ viewport, hasTouch: touch, isMobile: touch, acceptDownloads: true, reducedMotion });
-  const page = await context.newPage();
+  const page = await empty(context);
   const wrong = [];
   const elsewhere = [];
-  page.on("console", (message) => {
-    if (message.type() === "error") wrong.push(message.text());
-    if (message.text().startsWith("The policy refuses")) refused.push(message.text());
-  });
+  page.on("console", (message) => { if (message.type() === "error") wrong.push(message.text()); });
   page.on("pageerror", (error) => wrong.push(error.message));
   page.on("request", (request) => {
     const { url } = { url: request.url() };
@@ -35,7 +40,6 @@ export async function opened(viewport, touch, { within = browser, at = address, 
     assert.equal(request.method(), "GET", "nothing is uploaded");
   });
   page.on("dialog", (dialog) => (answers(dialog.type()) ? dialog.accept() : dialog.dismiss()));
-  await page.addInitScript(tellsRefused);
   if (prepare) await page.addInitScript(prepare);
   await page.goto(at + query);
   // A plate that stands still is drawn once.

@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { serve } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
-import { address, browser, folder, step, until } from "./driver.mjs";
+import { address, browser, empty, folder, step, until } from "./driver.mjs";
 
 /** What the network gives is shown, whether a browser opens no cache or puts nothing into it. No browser can be asked to refuse. */
 async function refused() {
@@ -32,11 +32,26 @@ async function refused() {
   step("what was kept takes the place of a file that breaks off");
 }
 
+/** Workers come with a policy of their own; the page has it in itself, and other files need none. */
+async function policies() {
+  const run = new Function("self", "caches", "fetch", readFileSync(join(folder, "offline.js"), "utf8"));
+  const on = {};
+  const caches = { open: async () => ({ put: async () => {} }) };
+  run({ registration: { scope: address }, addEventListener: (kind, act) => { on[kind] = act; } }, caches, async () => new Response(""));
+  for (const [destination, has] of [["worker", true], ["document", false], ["script", false]]) {
+    let shown;
+    on.fetch({ request: { method: "GET", url: `${address}file`, destination }, respondWith: (found) => { shown = found; } });
+    const policy = (await shown).headers.get("content-security-policy");
+    assert.equal(policy?.startsWith("default-src 'none'") ?? false, has, destination);
+  }
+}
+
 export async function offline() {
   await refused();
+  await policies();
   const server = await serve(folder);
   const context = await browser.newContext({ viewport: { width: 1000, height: 700 } });
-  const page = await context.newPage();
+  const page = await empty(context);
   await page.goto(server.address);
   await until(page, () => window.chladni?.frames > 3 && window.chladni.sound.duration > 0);
   await until(page, async () => {
@@ -49,6 +64,9 @@ export async function offline() {
   await until(page, () => window.chladni?.frames > 3);
   await page.click("#exaggerate");
   await acts(page);
+  const runs = await Promise.all(page.workers().map((worker) =>
+    worker.evaluate(() => import("data:text/javascript,").then(() => true, () => false))));
+  assert.ok(runs.length > 0 && !runs.includes(true), "workers run no code but the page's");
   step("it opens again without a connection");
   await context.close();
 }

@@ -186,7 +186,15 @@ export async function withoutSong() {
 }
 
 /** How long a film is, how large, how many pictures of it differ, and whether it has sound, as the browser plays it. */
-const watched = (page, bytes, type) => page.evaluate(async ([bytes, type]) => {
+async function watched(page, bytes, type) {
+  // The policy of the page itself plays none.
+  const player = await page.context().newPage();
+  const found = await player.evaluate(watchedHere, [bytes.toString("base64"), type]);
+  await player.close();
+  return found;
+}
+
+async function watchedHere([bytes, type]) {
   const video = document.createElement("video");
   video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], { type }));
   video.muted = true;
@@ -203,7 +211,7 @@ const watched = (page, bytes, type) => page.evaluate(async ([bytes, type]) => {
   await video.play();
   await ended;
   return { secs: end, width: video.videoWidth, height: video.videoHeight, pictures: seen.size, sounds: video.webkitAudioDecodedByteCount > 0 };
-}, [bytes.toString("base64"), type]);
+}
 
 /** How many pieces the tracks of an MP4 have: pictures first, then sound. */
 function pieces(film) {

@@ -5,7 +5,7 @@ use chladni_program::work::{Error, read_beats};
 use chladni_sound::{Beats, Spectrum};
 use wasm_bindgen::prelude::*;
 
-use super::{Concert, base};
+use super::{Concert, is_called};
 
 /// A song of the show.
 #[derive(Default)]
@@ -21,7 +21,7 @@ pub(super) struct ShowSong {
 impl ShowSong {
     /// It is the file of this name; if the show means that one, its path stays.
     pub fn call(&mut self, name: String) {
-        if base(&self.file.path) != name {
+        if !is_called(&self.file.path, &name) {
             self.file = FileRef { path: name, blake3: None };
         }
     }

@@ -1,6 +1,8 @@
 //! Actions of a person in a concert.
 
-use chladni_music::{Action, Describer, Instrument, Moment, Switch, experiment, suggest, without_sand};
+use chladni_music::{
+    Action, Describer, Instrument, Looks, Moment, Switch, experiment, suggest, without_sand,
+};
 use chladni_program::work::{Error, Programme, opening_looks, opening_view};
 use chladni_view::Camera;
 use wasm_bindgen::prelude::*;
@@ -45,18 +47,15 @@ impl Concert {
 
     /// Begins anew with the form, the knobs and the switches of another concert, and with as many dances. What sand and the
     /// autopilot have set there is as it was before them. Where it `keeps_look`, a look that was chosen there stays, but
-    /// not the one in which its shape was shown first.
+    /// not the one in which its shape was shown first. Effects that were left out stay out of any.
     ///
     /// # Errors
     /// Bugs only.
     pub fn go_on_from(&mut self, before: &Concert, keeps_look: bool) -> Result<(), JsError> {
-        let (seed, size) = (self.instrument.seed(), before.instrument.gallery().items().len());
-        let parameters = before.instrument.parameters().clone();
-        let shape = self.instrument.shape().clone();
-        // An instrument of its own, so that no show has these actions.
-        let mut set_back = Instrument::beginning_with(parameters, seed, size, shape.clone())?;
+        // A copy, so that no show has these actions.
+        let mut set_back = before.instrument.clone();
         let piloted = before.programme.iter().flat_map(|programme| programme.end(&before.instrument));
-        for action in piloted.filter(|action| !matches!(action, Action::GoTo { .. })) {
+        for action in piloted {
             set_back.apply(Moment::default(), action)?;
         }
         if set_back.parameters().is_on(Switch::Sand) {
@@ -64,10 +63,15 @@ impl Concert {
                 set_back.apply(Moment::default(), action)?;
             }
         }
+        let (seed, size) = (self.instrument.seed(), set_back.gallery().items().len());
+        let shape = self.instrument.shape().clone();
         self.instrument = Instrument::beginning_with(set_back.parameters().clone(), seed, size, shape)?;
         self.hearing.tune(0.0, self.instrument.parameters());
-        if keeps_look && before.looks != opening_looks(&before.name) {
+        let unchosen = Looks { without: before.looks.without.clone(), ..opening_looks(&before.name) };
+        if keeps_look && before.looks != unchosen {
             self.looks = before.looks.clone();
+        } else {
+            self.looks.without = unchosen.without;
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
 use super::beat::ShowSong;
-use super::{Concert, base};
+use super::{Concert, is_called};
 
 /// A preset, or a show with the files that the page has to find by itself.
 #[derive(Serialize)]
@@ -59,7 +59,7 @@ impl Concert {
     /// # Errors
     /// Bugs only.
     pub fn save_show(&self) -> Result<String, JsError> {
-        let named = self.shows_body.clone().filter(|file| base(&file.path) == self.name);
+        let named = self.shows_body.clone().filter(|file| is_called(&file.path, &self.name));
         let show = Show {
             stands: self.given,
             body: named.or_else(|| Some(FileRef { path: self.name.clone(), blake3: None })),

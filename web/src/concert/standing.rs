@@ -6,7 +6,7 @@ use chladni_mesh::{Axis, Orientation};
 use chladni_music::Show;
 use wasm_bindgen::prelude::*;
 
-use super::Concert;
+use super::{Concert, is_called};
 
 #[wasm_bindgen]
 impl Concert {
@@ -35,8 +35,7 @@ impl Concert {
 
     /// The body stands as in a show, if that is its own.
     pub(super) fn stand_as_in(&mut self, show: &Show) {
-        let body = show.body.as_ref().and_then(|body| body.path.rsplit(['/', '\\']).next());
-        if body == Some(self.name.as_str()) {
+        if show.body.as_ref().is_some_and(|body| is_called(&body.path, &self.name)) {
             self.stand_as(show.stands);
         }
     }
