@@ -15,8 +15,6 @@ const ROWS: usize = 24;
 const HALVINGS: usize = 11;
 /// The upper end of a figure is at most this share of half a picture above the middle.
 pub const TOP: f32 = 0.94;
-/// The lower end of a figure, where it is seen, is at most this share of half a picture below the middle.
-pub const BOTTOM: f32 = 0.95;
 /// The greatest height of a figure seen as a whole, in heights of the picture, however slim it is.
 pub const WHOLE_HEIGHTS: f32 = 0.94;
 /// The same of a figure that is cut off below where it is slim: at the knees, of one that stands.

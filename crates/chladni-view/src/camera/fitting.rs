@@ -4,10 +4,6 @@ use glam::Vec3;
 
 use super::{Camera, Projection};
 
-/// How much of a figure may be hidden below the picture, in its heights, for all of it to be shown, and from where on it
-/// stays as it is.
-const SPARED: [f32; 2] = [0.08, 0.18];
-
 impl Camera {
     /// Moves target and distance so that `points` take up the share `fill` of a frame of `aspect` (width over
     /// height): 0.9 leaves a margin of 5 % on each side. The direction stays. Without a finite point nothing
@@ -104,21 +100,6 @@ impl Camera {
         let finite = points.into_iter().map(|p| Vec3::from(p) - target).filter(|p| p.is_finite());
         let most = finite.map(above).fold(0.0, f32::max);
         self.target = (target + up * most).to_array();
-    }
-
-    /// Looks lower where little of `points` is more than `bottom` of half a picture below its middle, so that a figure
-    /// is cut off at the knees but not at the toes.
-    pub fn spare_ends(&mut self, points: impl IntoIterator<Item = [f32; 3]>, bottom: f32) {
-        let [_, up, back] = self.axes();
-        let target = Vec3::from(self.target);
-        let tan = (0.5 * self.fov_y_rad).tan();
-        let below = |p: Vec3| -p.dot(up) - bottom * tan * (self.distance - p.dot(back));
-        let finite = points.into_iter().map(|p| Vec3::from(p) - target).filter(|p| p.is_finite());
-        let hidden = finite.map(below).fold(0.0, f32::max);
-        let heights = hidden / (2.0 * tan * self.distance).max(f32::MIN_POSITIVE);
-        let [all, none] = SPARED;
-        let share = ((none - heights) / (none - all)).clamp(0.0, 1.0);
-        self.target = (target - up * (share * hidden)).to_array();
     }
 
     /// As [`fit`](Self::fit), but so that `points` stay in the frame at every yaw: for turntables.
@@ -233,26 +214,6 @@ impl Turntable {
 mod tests {
     use super::*;
     use crate::{Rect, View};
-
-    #[test]
-    fn toes_are_shown_and_knees_are_not() {
-        let picture = Rect::of_size(100, 100);
-        let lowest = |hidden: f32| {
-            // A picture is as high as 2 at the target.
-            let mut camera = Camera::default();
-            camera.distance = 1.0 / (0.5 * camera.fov_y_rad).tan();
-            let feet = [0.0, -0.95 - 2.0 * hidden, 0.0];
-            camera.spare_ends([[0.0, 0.9, 0.0], feet], 0.95);
-            camera.project(feet, picture).unwrap().0[1]
-        };
-        let at = |hidden: f32, expected: f32| {
-            assert!((lowest(hidden) - expected).abs() < 0.01, "{hidden}: {}", lowest(hidden));
-        };
-        // In between it goes from one to the other without a jump.
-        [(-0.1, 87.5), (0.0, 97.5), (0.05, 97.5), (0.08, 97.5), (0.13, 104.0), (0.18, 115.5), (0.4, 137.5)]
-            .into_iter()
-            .for_each(|(hidden, expected)| at(hidden, expected));
-    }
 
     #[test]
     fn nothing_is_cut_off_after_the_view_was_shifted() {
