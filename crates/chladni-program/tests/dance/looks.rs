@@ -71,7 +71,8 @@ fn what_is_left_out_is_missing_in_every_look() {
         show
     };
     let (ember, contour) = (show("ember", None), show("contour", None));
-    for left_out in ["trails", "glow", "corners"] {
+    // The first frame of a film has no trails yet.
+    for left_out in ["glow", "corners"] {
         assert_ne!(frame(&contour, &["--without", left_out]), frame(&contour, &[]), "{left_out}");
     }
     assert_eq!(frame(&calm(contour.clone()), &[]), frame(&contour, &without));

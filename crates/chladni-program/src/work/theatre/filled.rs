@@ -24,12 +24,8 @@ const LOWER: f32 = 0.33;
 /// How far that part may reach to the sides, in comparison with the rest: a figure that stands on its widest part, as
 /// a bell does, is seen as a whole.
 const LOWER_REACHES: f32 = 0.8;
-/// A figure is cut off below only if the camera can come so many times nearer then: at the knees, not at the ankles.
-const CROP_PAYS: f32 = 1.2;
 /// The share of the largest displacement by which a figure rises in loud music.
 const RISES: f32 = 0.9;
-/// The same where it is seen from near: its upper end may leave the picture at the loudest places.
-const NEAR_RISES: f32 = 0.5;
 /// The same by which its sides move outward: the loudest dances of a gallery grow by about half of that displacement.
 const SPREADS: f32 = 0.55;
 /// How far from the middle of the shape to the part that moves most a camera looks that comes near it.
@@ -41,7 +37,6 @@ pub(super) struct Filled {
     /// The limit of displacement for which there is room, and by how much the shape may rise.
     pub limit: f32,
     rises: f32,
-    near_rises: f32,
     /// The points that reach farthest.
     ends: Vec<[f32; 3]>,
     /// The middle of the shape, and where the whole of it is seen from.
@@ -70,7 +65,7 @@ impl Filled {
             std::array::from_fn(|i| if low[i] <= high[i] { 0.5 * (low[i] + high[i]) } else { 0.0 });
         let part = std::array::from_fn(|i| middle[i] + PART * (dancer.liveliest[i] - middle[i]));
         let largest = limit * dancer.box_diagonal;
-        let [rises, near_rises] = [RISES, NEAR_RISES].map(|share| share * largest);
+        let rises = RISES * largest;
         let moving = |most_heights| Headroom {
             rises,
             // A sheet moves along its normal.
@@ -78,27 +73,17 @@ impl Filled {
             most_heights,
             most_widths: WHOLE_WIDTHS,
         };
-        let close = Headroom {
-            rises: near_rises,
-            spreads: 0.0,
-            most_widths: near_widths(aspect),
-            ..moving(NEAR_HEIGHTS)
-        };
+        let close = Headroom { spreads: 0.0, most_widths: near_widths(aspect), ..moving(NEAR_HEIGHTS) };
         let filling = |target, share, room| Filling::new(surface, stands, target, aspect, share, room);
-        let whole = filling(middle, COVERS[0], moving(WHOLE_HEIGHTS));
-        let pays = |cropped: &Filling| whole.from(0.0, 0.0) > CROP_PAYS * cropped.from(0.0, 0.0);
-        let cropped = stands_on_a_narrow_part(surface, stands)
-            .then(|| filling(middle, SLIM_COVERS, moving(CROPPED_HEIGHTS)))
-            .filter(pays);
         Self {
             aspect,
             limit,
             rises,
-            near_rises,
             ends: extremes(surface),
             middle,
-            whole,
-            cropped,
+            whole: filling(middle, COVERS[0], moving(WHOLE_HEIGHTS)),
+            cropped: stands_on_a_narrow_part(surface, stands)
+                .then(|| filling(middle, SLIM_COVERS, moving(CROPPED_HEIGHTS))),
             part,
             near: filling(part, COVERS[1], close),
         }
@@ -116,8 +101,7 @@ impl Filled {
             self.cropped.as_ref().map_or(whole, |cropped| mix(whole, from(cropped).min(whole), framing.crop));
         let distance = mix(far, from(&self.near).min(far), framing.closeness).exp();
         let mut camera = Camera { yaw_rad, pitch_rad, target, distance, stands, ..Camera::default() };
-        let rises = self.rises + framing.closeness * (self.near_rises - self.rises);
-        camera.keep_below(self.ends.iter().copied(), rises, TOP);
+        camera.keep_below(self.ends.iter().copied(), self.rises, TOP);
         camera
     }
 }
