@@ -114,7 +114,7 @@ fn the_same_triangles_carry_vertex_by_vertex_and_spheres_need_no_match() {
 fn a_region_of_another_mesh_is_refused_and_work_can_be_stopped() {
     let (small, large) = (lump(2), lump(3));
     let wrong = painted(&large).carried(&small, &large, &Task::new());
-    assert!(matches!(wrong, Err(CaricatureError::VertexCount { .. })), "{wrong:?}");
+    assert!(matches!(wrong, Err(CaricatureError::PaintedElsewhere { .. })), "{wrong:?}");
     let task = Task::new();
     task.cancel();
     assert!(matches!(painted(&small).carried(&small, &large, &task), Err(CaricatureError::Cancelled(_))));

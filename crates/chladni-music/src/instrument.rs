@@ -225,11 +225,10 @@ impl Instrument {
     }
 
     /// A preset of an item, with its lineage and the knobs where they stand; [`tags`](Self::tags) has those of the
-    /// preset that it was taken from. An item without a name gets that of its place in the gallery, from 1.
+    /// preset that it was taken from. An item without a name gets one of its id, from 1: its place in the first gallery.
     pub fn preset(&self, item: &GalleryItem, tags: Vec<String>) -> Preset {
         let Past { seed, lineage, .. } = self.past(item);
-        let place = self.gallery.items().iter().position(|shown| shown.id == item.id);
-        let number = place.unwrap_or(item.id as usize) + 1;
+        let number = item.id + 1;
         Preset {
             format_version: FORMAT_VERSION,
             name: if item.name.is_empty() { format!("item {number}") } else { item.name.clone() },

@@ -292,7 +292,7 @@ impl Ply<'_> {
                         self.draft.uvs.len() as u32 - 1
                     }
                     None if (v as usize) < vertex_uvs && is_texture_point(self.draft.uvs[v as usize]) => v,
-                    None if uvs.is_empty() => CornerUvs::NONE,
+                    None if uvs.is_empty() && v as usize >= vertex_uvs => CornerUvs::NONE,
                     _ => {
                         self.bad_uvs += 1;
                         CornerUvs::NONE

@@ -192,7 +192,7 @@ fn a_preset_bred_on_the_octopus_plays_on_the_head() {
     let bred = instrument.gallery().items()[3].clone();
     let preset = Preset::from_text(&instrument.preset(&bred, vec![]).to_text().unwrap()).unwrap();
     assert_eq!(preset.mapping, bred.genome);
-    assert_eq!(preset.name, "item 4");
+    assert_eq!(preset.name, format!("item {}", bred.id + 1));
     assert!(preset.lineage.len() >= 3);
     for ready in [octopus(), head()] {
         let shape = GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands: BANDS };
