@@ -31,8 +31,8 @@ export function forgetIdle(name, templates) {
 /** Whether two files hold the same bytes. */
 const areSame = (one, other) => one?.length === other?.length && one.every((byte, i) => byte === other[i]);
 
-/** Keeps a mesh by its name. Where that is the name of another one, matches with it are forgotten; gives whether layers are
- * compared with it. */
+/** Keeps a mesh by its name. Where another one had that name, matches with it are forgotten. Gives whether layers are
+ * compared with what is another file now. */
 function keep(name, bytes) {
   const before = files.get(name);
   files.set(name, bytes);
@@ -47,7 +47,8 @@ const comparedWith = (name) => room.state()?.layers.filter(({ template }) => bas
 /** Takes landmarks from the layers that are compared with this file, which is another one now: they are vertices of
  * the one before. Gives whether there were any. */
 function dropLandmarks(name) {
-  const [sitting, { selected }] = [room.sitting(), room.state() ?? {}];
+  const sitting = room.sitting();
+  const { selected } = room.state();
   const marked = comparedWith(name).filter(({ landmarks }) => landmarks.length);
   for (const { id } of marked) { sitting.select(id); sitting.open_landmarks(""); }
   if (marked.length && selected !== null) sitting.select(selected);
@@ -99,22 +100,21 @@ export async function takeMesh(name, bytes) {
   if (waitsFor(name)) return say(`${name} is kept for ${waiting.name}, which is made on ${waiting.shape}: bring that mesh, too.`, false, 600);
   // Its turn among the matches has not come.
   if (isNew && comparedWith(name).length) return say(`${name} is kept for the layers that are compared with it.`);
-  switch (room.sitting() ? await whichOf(name) : "shape") {
-    case "shape":
-      try { await room.openShape(name, bytes); } finally { keepShape(name); }
-      return undefined;
-    case "template":
-      // A project would name both by the same name, and take the shape for its template.
-      if (isNamesake(name, bytes)) {
-        keepShape(name);
-        throw new Error(`${name} has the name of the shape, and a page knows files by their names alone: rename one.`);
-      }
-      // Another shape may have been opened since the question.
-      files.set(name, bytes);
-      room.sitting().compare(name);
-      return matchAnew();
-    default: return keepShape(name);
-  }
+  try {
+    switch (room.sitting() ? await whichOf(name) : "shape") {
+      case "shape": await room.openShape(name, bytes); return undefined;
+      case "template":
+        // A project would name both by the same name, and take the shape for its template.
+        if (isNamesake(name, bytes)) {
+          throw new Error(`${name} has the name of the shape, and a page knows files by their names alone: rename one.`);
+        }
+        // Another shape may have been opened since the question.
+        files.set(name, bytes);
+        room.sitting().compare(name);
+        return matchAnew();
+      default: return undefined;
+    }
+  } finally { keepShape(name); }
 }
 
 /** Whether another mesh than the shape has its name. */

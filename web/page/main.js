@@ -7,7 +7,7 @@ import { attempt, attemptOf, base, of, on, report, say } from "./page.js";
 import { start as draw } from "./picture.js";
 import { notKept, tellCores, threadFiles } from "./threads.js";
 import * as music from "./music.js";
-import * as songs from "./songs.js";
+import { TUNE, decode } from "./songs.js";
 import { isFilmed, isUnfinished } from "./room_films.js";
 import * as caricature from "./caricature.js";
 
@@ -171,7 +171,7 @@ async function load() {
 }
 
 const start = attempt(async () => {
-  const tune = songs.decode({ name: songs.TUNE });
+  const tune = decode({ name: TUNE });
   tune.catch(() => {});
   const memory = await load();
   if (!memory) return;

@@ -15,15 +15,17 @@ import * as gallery from "./gallery.js";
 import * as plate from "./front_plate.js";
 import * as knobs from "./knobs.js";
 import * as looks from "./looks.js";
-import { attempt, base, busy, hasModifier, label, of, on, options, report, save, say } from "./page.js";
+import { attempt, base, busy, label, of, on, options, report, save, say } from "./page.js";
 import * as playlist from "./playlist.js";
 import { LONGEST, show as showPicture, takePicture } from "./picture.js";
 import * as films from "./room_films.js";
 import { sampleHarmonics } from "./harmonics.js";
+import * as transport from "./transport.js";
+import { Unsaved } from "./unsaved.js";
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
 const harmonicsOf = (bytes) => (bytes < 4e6 ? 128 : 64);
-/** The plate at night, so that words can be read over it; in the order in which states name its parts. */
+/** The plate at night, so that words can be read over it. */
 const FRONT = JSON.stringify({ material: "dark", lights: "studio", background: "night" });
 /** The gallery on a screen of this width. */
 const gallerySize = () => (innerWidth < 700 ? 6 : 12);
@@ -73,10 +75,7 @@ async function bodyOf(name) {
 /** Another shape has dances of its own, at the knobs of the concert before, and in a look that was chosen; that of the front
  * is the plate's. Gives the songs that it has heard. */
 function goOnAs(next) {
-  if (!concert) return [];
-  // Effects are left out of any look.
-  const { without, ...look } = state.looks;
-  next.go_on_from(concert, JSON.stringify(look) !== FRONT);
+  if (concert) next.go_on_from(concert, FRONT);
   return [];
 }
 
@@ -122,18 +121,14 @@ function hear() {
   else song.reading = concert.reading(sound.number);
 }
 
-/** How often something was bred, loved or drawn that no file has, and how much of that another gallery leaves. */
-let edits = 0;
-let staying = 0;
-const KEPT = ["breed", "mutate", "favorite", "rename", "set-transfer", "set-amplification", "set-item-gain", "set-stereo-mu"];
+let unsaved = new Unsaved();
 
 function allKept() {
-  edits = 0;
-  staying = 0;
+  unsaved = new Unsaved();
 }
 
 /** Whether dances would be lost. */
-export const isUnsaved = () => (atFront ? parked?.edits ?? 0 : edits) > 0;
+export const isUnsaved = () => (atFront ? parked?.unsaved.edits ?? 0 : unsaved.edits) > 0;
 
 const STAYED = "The shape has stayed: Save show keeps its dances.";
 
@@ -161,12 +156,12 @@ function overtake() {
 /** Gives whether it dances: not where something else was asked for meanwhile. */
 async function danceOn(name, begin) {
   const mine = overtake();
-  const before = edits;
+  const before = unsaved.edits;
   say(`${label(name)}…`);
   const body = await bodyOf(name);
   if (mine !== visit) return false;
   // It was not asked about what was bred meanwhile.
-  if (edits !== before && !mayReplace()) return false;
+  if (unsaved.edits !== before && !mayReplace()) return false;
   show(body, begin);
   lacks = undefined;
   return true;
@@ -175,7 +170,7 @@ async function danceOn(name, begin) {
 export async function openMesh(name, bytes) {
   if (!mayReplace()) return;
   overtake();
-  const before = edits;
+  const before = unsaved.edits;
   const mine = coming = { name };
   const harmonics = harmonicsOf(bytes.length);
   const found = await busy(name, async (tell) => {
@@ -193,7 +188,7 @@ export async function openMesh(name, bytes) {
 /** Lets a mesh dance that is ready, where its user may lose what was bred since there were `before` edits; gives what is said of it. */
 function danceOnMesh(name, body, secs, before) {
   coming = undefined;
-  if (edits !== before && !mayReplace()) return [STAYED];
+  if (unsaved.edits !== before && !mayReplace()) return [STAYED];
   // The show that was danced by this mesh begins anew on it.
   const opens = lacks?.needs.body === name ? lacks : undefined;
   show(body, opens?.begin);
@@ -355,28 +350,15 @@ const room = {
     films.tick();
     keepAwake(isHere() && (sound.isHeard || !!listening.microphone()));
     if (listening.microphone()) of("loudness").value = Math.sqrt(listening.microphone().loudest);
-    showPlace();
+    transport.showPlace();
   },
 };
 
 // ---- controls
 
-const clock = (secs) => `${Math.floor(secs / 60)}:${String(Math.floor(secs % 60)).padStart(2, "0")}`;
-
-/** Where the song is. */
-function showPlace() {
-  const seek = of("seek");
-  if (!seek.matches(":active")) seek.value = sound.duration ? sound.position() / sound.duration : 0;
-  const text = `${clock(sound.position())} of ${clock(sound.duration)}`;
-  if (seek.title === text) return;
-  seek.title = text;
-  seek.setAttribute("aria-valuetext", text);
-}
-
 const act = attempt((action) => {
   concert.act(JSON.stringify(action));
-  if (KEPT.includes(action.do)) edits++;
-  if (action.do === "favorite") staying++;
+  unsaved.did(action.do);
   refresh();
 });
 /** The dance that is saved: the one on stage, else the first that is chosen. */
@@ -395,12 +377,10 @@ function isAnotherOnStage() {
 
 /** Gives all dances up for others, where their user may. */
 const newGallery = attempt((size, isOther) => {
-  if (edits > staying && !confirm("The dances that were bred here are not saved. Begin anew without them?")) return refresh();
+  if (unsaved.inGallery() && !confirm("The dances that were bred here are not saved. Begin anew without them?")) return refresh();
   concert.new_gallery(size, isOther);
   refresh();
-  // Favorites stay, and no file may have them yet.
-  if (state.favorites) staying = edits;
-  else allKept();
+  unsaved.begunAnew(state.favorites > 0);
 });
 
 /** Sand is of the stage: it goes with it. */
@@ -408,12 +388,6 @@ function settle() {
   refresh();
   if (state.sand && !state.piloted) concert.sand(false);
   refresh();
-}
-
-function songName() {
-  const { name } = songs.current() ?? { name: songs.TUNE };
-  if (name === songs.TUNE) return "Our own tune";
-  return songs.count() > 1 ? `${songs.place() + 1} of ${songs.count()}: ${name}` : name;
 }
 
 /** What the controls of a show that is played follow: its state, and whether its song is heard. */
@@ -450,10 +424,7 @@ function refresh() {
   films.show(isLive || state.played);
   of("listen").setAttribute("aria-pressed", isLive);
   of("heard").hidden = of("tap-beat").hidden = !isLive;
-  of("where-in-song").hidden = isLive;
-  of("song").textContent = of("song").title = songName();
-  for (const id of ["previous", "next"]) of(id).hidden = songs.count() < 2 || isLive;
-  of("play").textContent = sound.isHeard ? "Pause" : "Play";
+  transport.show(isLive);
   of("stance-up").value = state.up;
   looks.show(state.looks, state.has_own_colors, state.effects);
   of("gain").value = state.settings.knobs?.gain ?? 1;
@@ -506,7 +477,7 @@ export function leave() {
 function unpark() {
   if (parked) {
     concert?.free();
-    ({ concert, edits, staying } = parked);
+    ({ concert, unsaved } = parked);
     heard.splice(0, heard.length, ...parked.heard);
     parked = undefined;
     hear();
@@ -541,7 +512,7 @@ export async function front() {
   if (mine !== visit) return;
   if (concert && concert !== atFront) {
     // What was bred in the room is there again when it is entered.
-    parked = { concert, heard: [...heard], edits, staying };
+    parked = { concert, heard: [...heard], unsaved };
     concert = undefined;
   }
   show(body, () => []);
@@ -568,30 +539,6 @@ export async function know(tune) {
   }
 }
 
-/** Keys of the desktop, where nothing else has them: in full screen there are no controls. */
-const onKey = attempt((event) => {
-  if (!isHere() || hasModifier(event)) return undefined;
-  // A film goes on beneath its dialog, whose buttons may have no focus.
-  if (films.isFilmed() || document.querySelector("dialog[open]")) return undefined;
-  if (event.target.closest("button, input, select, textarea, summary, dialog, [role=slider]")) return undefined;
-  // A key that is held is pressed once.
-  const correct = (change) => () => (event.repeat ? undefined : sounding.correct(change));
-  const acts = {
-    " ": playOrPause, PageUp: () => player.beside(-1), PageDown: () => player.beside(1),
-    "[": correct("halve_beat"), "]": correct("double_beat"), t: correct("tap_beat"), T: correct("tap_beat"),
-  }[event.key];
-  if (!acts) return undefined;
-  event.preventDefault();
-  return acts();
-});
-
-async function playOrPause() {
-  await listening.stop();
-  endShow();
-  if (sound.isHeard) sound.pause(); else await playAloud();
-  refresh();
-}
-
 export function listen() {
   rest(true);
   of("shape").append(...options(JSON.parse(samples()).map(([name]) => name), (name) => `sample:${name}`), new Option("Other…", ""));
@@ -600,15 +547,14 @@ export function listen() {
   dance.listen(act, gallery.choices);
   const shared = { sound, concert: () => concert, endShow, hear, playAloud, refresh };
   player.listen(shared);
+  transport.listen({ ...shared, isHere });
   sounding.listen(shared);
   // Nothing is to be heard where the room was left, and a film has its song.
   listening.listen({ ...shared, mayListen: () => isHere() && !films.isFilmed(), passOver: player.passOver });
-  gallery.listen({ act, breed: () => { concert.breed(); edits++; refresh(); }, begin: newGallery, curves: curvesOf });
-  on("play", playOrPause);
+  gallery.listen({ act, breed: () => { concert.breed(); unsaved.did("breed"); refresh(); }, begin: newGallery, curves: curvesOf });
   plate.listen(holdStill);
-  addEventListener("keydown", onKey);
   addEventListener("resize", () => { if (concert && concert === atFront) placeFront(); });
-  curves.listen(act, (item, name) => { concert.begin_curve(item, name); edits++; refresh(); });
+  curves.listen(act, (item, name) => { concert.begin_curve(item, name); unsaved.did("set-transfer"); refresh(); });
   films.listen({ ...shared, microphone: listening.microphone, forget: () => { overtake(); player.passOver(); } });
   on("draw", () => { drawing = !drawing; refresh(); });
   on("sweep", () => act({ do: "sweep" }));
@@ -630,10 +576,6 @@ export function listen() {
   on("save-preset", () => save("chladni-dance.toml", concert.save_preset(theDance())));
   on("play-show", playShow);
   on("save-picture", async () => save("chladni.png", await takePicture(LONGEST)));
-  of("seek").addEventListener("input", () => {
-    endShow();
-    sound.seek(of("seek").value * sound.duration);
-  });
   of("gain").addEventListener("input", () => act({ do: "set", parameter: "gain", value: Number(of("gain").value) }));
   of("shape").addEventListener("change", attempt(() => {
     const name = of("shape").value;

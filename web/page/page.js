@@ -164,8 +164,8 @@ function letGo() {
 }
 
 /** Puts `children` in place of those of an element, once none of these is pressed. What had the focus has it again: who has
- * the same `data-key`, or else the same last word of it in the row that has come to that place, or, where no row is left,
- * the control that the element names as `data-otherwise`. */
+ * the same `data-key`. Else, in the row that has come to its place, who has the same last word of it, or the first button.
+ * Where there is no row, the control that the element names as `data-otherwise`. */
 export function refill(parent, children) {
   if (pressed && parent.contains(pressed)) return waiting.set(parent, children);
   waiting.delete(parent);

@@ -14,7 +14,6 @@ mod state;
 
 use std::sync::Arc;
 
-use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
     Dancer, Ensemble, FileRef, Framing, GalleryShape, Instrument, Looks, Parameter, Parameters, Reaction,
@@ -40,11 +39,10 @@ use crate::parcel::Parcel;
 #[wasm_bindgen]
 pub struct Concert {
     name: String,
-    body: Body,
     /// How the body was found to stand, and what was set in its place.
     found: Orientation,
     given: Option<Orientation>,
-    /// The body that the show names which was opened or played last.
+    /// This body as the show names it that was opened or played last, if that is danced on it.
     shows_body: Option<FileRef>,
     hearing: Hearing,
     /// The live input in place of a song.
@@ -124,8 +122,7 @@ impl Concert {
             ensemble: Ensemble::new(dancer),
             staging,
             lag: Lag::default(),
-            sand: SandTable::new(body.clone(), 0.0),
-            body,
+            sand: SandTable::new(body, 0.0),
             found: stands,
             given: None,
             programme: None,

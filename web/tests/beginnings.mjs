@@ -38,36 +38,37 @@ export async function beginnings() {
   step("without waiting for the plate there is the octopus, and a song");
 }
 
+/** A page that begins where this holds of its window. */
+async function begun(what) {
+  const page = await empty(await browser.newContext({ viewport: LAPTOP }));
+  await page.addInitScript(holdsBack);
+  await page.addInitScript((what) => { Object.assign(window, what); }, what);
+  await page.goto(address);
+  return page;
+}
+
 /** The tune whose worker stopped is decoded again once it is to be heard. */
 export async function lostTune() {
-  const context = await browser.newContext({ viewport: LAPTOP });
-  const page = await empty(context);
-  await page.addInitScript(holdsBack);
-  await page.addInitScript(() => { window.breaks = "decode sample:tune"; });
-  await page.goto(address);
+  const page = await begun({ breaks: "decode sample:tune" });
   await says(page, "it broke");
   await page.evaluate(() => { window.breaks = undefined; });
   await page.click("#enter");
   await until(page, () => window.chladni.sound.isHeard && document.getElementById("play").textContent === "Pause");
   assert.equal(await songNow(page), "Our own tune");
-  await context.close();
+  await page.context().close();
   step("the tune that was lost comes when it is to be heard");
 }
 
 /** No film is made of a song that is not there. */
 export async function withoutSong() {
-  const context = await browser.newContext({ viewport: LAPTOP });
-  const page = await empty(context);
-  await page.addInitScript(holdsBack);
-  await page.addInitScript(() => { window.holds = "decode sample:tune"; });
-  await page.goto(address);
+  const page = await begun({ holds: "decode sample:tune" });
   await page.click("#enter");
   await dances(page, "sample:octopus");
   await page.click("#film-song");
   await page.click("#film-begin");
   await says(page, "There is no song yet");
   await until(page, () => !document.getElementById("whole-film").open);
-  await context.close();
+  await page.context().close();
   step("a film of a song waits until there is one");
 }
 

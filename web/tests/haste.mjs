@@ -27,6 +27,13 @@ async function breed(page) {
   await until(page, (before) => window.chladni.state.generation === before + 1, before);
 }
 
+/** A song of the list is asked for, and its decoding held back. */
+async function awaits(page, name) {
+  await holdBack(page, `decode ${name}`);
+  await page.click(`#song-list .name:has-text("${name}")`);
+  await isHeldBack(page);
+}
+
 async function ends({ page, wrong, elsewhere }) {
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
@@ -249,27 +256,21 @@ export async function songs() {
   await songIs(page, "4 of 4: gone.wav");
   await page.click("#next");
   await songIs(page, "1 of 4: clicks.wav");
-  await holdBack(page, "decode gone.wav");
-  await page.click('#song-list .name:has-text("gone.wav")');
-  await isHeldBack(page);
+  await awaits(page, "gone.wav");
   await page.click('#song-list [aria-label="Take gone.wav out of the list"]');
   await comesLate(page);
   assert.equal(await songNow(page), "1 of 3: clicks.wav");
   step("songs that were asked for are forgotten where the room is left, or they are taken out");
 
   // The one that plays ends before the one that was chosen is decoded.
-  await holdBack(page, "decode third.wav");
-  await page.click('#song-list .name:has-text("third.wav")');
-  await isHeldBack(page);
+  await awaits(page, "third.wav");
   await page.fill("#seek", "0.99");
   await until(page, () => window.chladni.sound.hasEnded);
   await release(page);
   await songIs(page, "3 of 3: third.wav");
   await until(page, () => window.chladni.sound.isHeard);
   // And a pause meanwhile.
-  await holdBack(page, "decode late.wav");
-  await page.click('#song-list .name:has-text("late.wav")');
-  await isHeldBack(page);
+  await awaits(page, "late.wav");
   await page.click("#play");
   await release(page);
   await songIs(page, "2 of 3: late.wav");
@@ -314,18 +315,14 @@ export async function songs() {
   step("a song stays where its worker stops");
 
   // The one that plays is taken out while another is decoded.
-  await holdBack(page, "decode next.wav");
-  await page.click('#song-list .name:has-text("next.wav")');
-  await isHeldBack(page);
+  await awaits(page, "next.wav");
   await page.click('#song-list [aria-label="Take late.wav out of the list"]');
   await page.waitForTimeout(500);
   assert.equal(await page.evaluate(() => window.heldBack()), 1, "it is decoded once");
   await comesLate(page);
   await songIs(page, "3 of 4: next.wav");
   await until(page, () => window.chladni.sound.isHeard);
-  await holdBack(page, "decode third.wav");
-  await page.click('#song-list .name:has-text("third.wav")');
-  await isHeldBack(page);
+  await awaits(page, "third.wav");
   await page.click("#play");
   await page.click('#song-list [aria-label="Take next.wav out of the list"]');
   await comesLate(page);

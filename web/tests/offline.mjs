@@ -6,42 +6,41 @@ import { serve } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
 import { address, browser, empty, folder, step, until } from "./driver.mjs";
 
+/** The service worker's answer to a request, with these caches and this network. */
+function answered(request, caches, fetch) {
+  const run = new Function("self", "caches", "fetch", readFileSync(join(folder, "offline.js"), "utf8"));
+  const on = {};
+  run({ registration: { scope: address }, addEventListener: (kind, act) => { on[kind] = act; } }, caches, fetch);
+  let shown;
+  on.fetch({ request, respondWith: (found) => { shown = found; } });
+  return shown;
+}
+
 /** What the network gives is shown, whether a browser opens no cache or puts nothing into it. No browser can be asked to refuse. */
 async function refused() {
-  const run = new Function("self", "caches", "fetch", readFileSync(join(folder, "offline.js"), "utf8"));
   const came = { ok: true, type: "basic", clone: () => ({ arrayBuffer: async () => new ArrayBuffer(0) }) };
   const request = { method: "GET", url: `${address}main.js`, destination: "script" };
   const none = () => Promise.reject(new Error("refused"));
   for (const open of [none, async () => ({ put: none })]) {
-    const on = {};
-    let shown;
-    run({ registration: { scope: address }, addEventListener: (kind, act) => { on[kind] = act; } }, { open, match: none }, async () => came);
-    on.fetch({ request, respondWith: (found) => { shown = found; } });
-    assert.equal(await shown, came);
+    assert.equal(await answered(request, { open, match: none }, async () => came), came);
   }
   step("what cannot be kept is shown");
   // The connection breaks in the middle of a file, of which there is a copy.
-  const on = {};
   const kept = {};
   const fails = async () => { throw new TypeError("network error"); };
   const broken = { ...came, clone: () => ({ arrayBuffer: fails }) };
-  run({ registration: { scope: address }, addEventListener: (kind, act) => { on[kind] = act; } }, { open: async () => ({ put: fails }), match: async () => kept }, async () => broken);
-  let shown;
-  on.fetch({ request, respondWith: (found) => { shown = found; } });
-  assert.equal(await shown, kept);
+  const caches = { open: async () => ({ put: fails }), match: async () => kept };
+  assert.equal(await answered(request, caches, async () => broken), kept);
   step("what was kept takes the place of a file that breaks off");
 }
 
 /** Workers come with a policy of their own; the page has it in itself, and other files need none. */
 async function policies() {
-  const run = new Function("self", "caches", "fetch", readFileSync(join(folder, "offline.js"), "utf8"));
-  const on = {};
   const caches = { open: async () => ({ put: async () => {} }) };
-  run({ registration: { scope: address }, addEventListener: (kind, act) => { on[kind] = act; } }, caches, async () => new Response(""));
   for (const [destination, has] of [["worker", true], ["document", false], ["script", false]]) {
-    let shown;
-    on.fetch({ request: { method: "GET", url: `${address}file`, destination }, respondWith: (found) => { shown = found; } });
-    const policy = (await shown).headers.get("content-security-policy");
+    const request = { method: "GET", url: `${address}file`, destination };
+    const shown = await answered(request, caches, async () => new Response(""));
+    const policy = shown.headers.get("content-security-policy");
     assert.equal(policy?.startsWith("default-src 'none'") ?? false, has, destination);
   }
 }

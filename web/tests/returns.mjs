@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { head, song } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
-import { downloaded, drop, moves, opened, says, state, step, until } from "./driver.mjs";
+import { dances as shapeDances, downloaded, drop, moves, opened, says, state, step, until } from "./driver.mjs";
 
 const generation = (page, number) => until(page, (number) => window.chladni.state.generation === number, number);
 
@@ -31,14 +31,14 @@ async function saved(page) {
 export async function dances() {
   const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false);
   await page.click("#enter");
-  await until(page, () => window.chladni.state.body === "sample:octopus");
+  await shapeDances(page, "sample:octopus");
   await breed(page);
   await page.click("#home");
-  await until(page, () => window.chladni.state.body === "sample:plate");
+  await shapeDances(page, "sample:plate");
   await page.click("#exaggerate");
   await acts(page);
   await page.click("#home");
-  await until(page, () => window.chladni.state.body === "sample:plate");
+  await shapeDances(page, "sample:plate");
   await page.click("#enter");
   await generation(page, 1);
   await moves(page, "dances that were left for a while");
@@ -49,7 +49,7 @@ export async function dances() {
   await until(page, () => document.getElementById("song").textContent === "kl\u00e4nge.wav" && window.chladni.position() > 0.5);
   // The song and the dance go on where the room was left.
   const [position, clock] = await pressed(page, "home");
-  await until(page, () => window.chladni.state.body === "sample:plate");
+  await shapeDances(page, "sample:plate");
   await page.waitForTimeout(4000);
   const [positionThen, clockThen] = await pressed(page, "enter");
   assert.ok(Math.abs(positionThen - position) < 1 && Math.abs(clockThen - clock) < 1, `left at ${position} and ${clock} s, found at ${positionThen} and ${clockThen} s`);
@@ -87,10 +87,10 @@ export async function settings() {
   const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false);
   const dancesOn = async (name) => {
     await page.selectOption("#shape", name);
-    await until(page, (name) => window.chladni.state.body === name, name);
+    await shapeDances(page, name);
   };
   await page.click("#enter");
-  await until(page, () => window.chladni.state.body === "sample:octopus");
+  await shapeDances(page, "sample:octopus");
   await page.click("#more");
   await page.evaluate(() => { for (const each of document.querySelectorAll("#drawer details")) each.open = true; });
   await page.uncheck('#effects [value="glow"]');
@@ -121,7 +121,7 @@ export async function galleries() {
   const answers = (type) => { asked.push(type); return yes; };
   const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false, { answers });
   await page.click("#enter");
-  await until(page, () => window.chladni.state.body === "sample:octopus");
+  await shapeDances(page, "sample:octopus");
   await breed(page);
   const { text } = await saved(page);
   const cat = text.replace("sample:octopus", "sample:cat");
@@ -205,7 +205,7 @@ export async function overtaken() {
   };
   const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false, { prepare });
   await page.click("#enter");
-  await until(page, () => window.chladni.state.body === "sample:octopus");
+  await shapeDances(page, "sample:octopus");
   await breed(page);
   const cat = (await saved(page)).text.replace("sample:octopus", "sample:cat");
   const ways = [
@@ -216,7 +216,7 @@ export async function overtaken() {
     await drop(page, ["cat.toml", Buffer.from(cat)]);
     await until(page, () => window.comes);
     await goOn();
-    await until(page, (body) => window.chladni.state.body === body, body);
+    await shapeDances(page, body);
     const { seed } = await state(page);
     await page.evaluate(() => window.comes());
     await until(page, () => !window.comes);

@@ -9,6 +9,7 @@ use chladni_match::{
 use chladni_mesh::{Frame, TriMesh, weld};
 use chladni_task::Task;
 
+use crate::region::check_painted;
 use crate::{
     CaricatureError, GivenEllipsoid, Layer, Painted, Project, Region, Sphere, SurfacePoint, Template,
 };
@@ -114,10 +115,7 @@ impl Way {
 
     /// χ01 on the operator vertices of the new mesh from `values` on those of the old.
     fn carry(&self, values: &[f32]) -> Result<Arc<[f32]>, CaricatureError> {
-        if values.len() != self.old_operator_vertices {
-            let (found, expected) = (values.len(), self.old_operator_vertices);
-            return Err(CaricatureError::PaintedElsewhere { found, expected });
-        }
+        check_painted(values.len(), self.old_operator_vertices)?;
         let old = |v: u32| {
             let vertex = self.old_operator_vertex.get(v as usize).copied().flatten();
             vertex.and_then(|vertex| values.get(vertex as usize)).copied().unwrap_or(0.0)

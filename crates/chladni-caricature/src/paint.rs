@@ -6,6 +6,7 @@ use chladni_mesh::surface::components;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::region::check_painted;
 use crate::{Brush, CaricatureError, Painted, Reach, Surface, SurfacePoint};
 
 /// One change to a painted region. Replaying the same edits on the same surface gives the same
@@ -71,16 +72,11 @@ impl PaintEdit {
     /// # Errors
     /// A region of another shape, an intensity outside [0, 1], a vertex that is not there.
     pub fn apply(&self, painted: &Painted, surface: &Surface) -> Result<Painted, CaricatureError> {
-        let vertices = |found: usize| {
-            let expected = surface.vertices();
-            let other = CaricatureError::PaintedElsewhere { found, expected };
-            if found == expected { Ok(()) } else { Err(other) }
-        };
         // These replace a region, even one of another shape.
         match self {
             Self::Set(whole) => {
                 if let Painted::Vertices(values) = whole {
-                    vertices(values.len())?;
+                    check_painted(values.len(), surface.vertices())?;
                 }
                 return Ok(whole.clone());
             }
@@ -96,7 +92,7 @@ impl PaintEdit {
             (Painted::Everywhere, _) => vec![1.0; surface.vertices()],
             (Painted::Vertices(values), _) => values.to_vec(),
         };
-        vertices(values.len())?;
+        check_painted(values.len(), surface.vertices())?;
         match self {
             Self::Dab(dab) => dab.paint(&mut values)?,
             Self::FillComponent { at, intensity } => {

@@ -118,13 +118,13 @@ impl Region {
             return Ok(None);
         }
         let painted = self.painted.values(file_positions);
-        check_painted(painted.len(), basis)?;
+        check_painted(painted.len(), basis.vertices())?;
         self.smoothing.apply_with(basis, &painted, spectrum, softening).map(Some)
     }
 }
 
-fn check_painted(found: usize, basis: &Basis) -> Result<(), CaricatureError> {
-    let expected = basis.vertices();
+/// Checks that there are as many painted values as the shape has vertices.
+pub(crate) fn check_painted(found: usize, expected: usize) -> Result<(), CaricatureError> {
     if found == expected { Ok(()) } else { Err(CaricatureError::PaintedElsewhere { found, expected }) }
 }
 
@@ -163,7 +163,7 @@ impl Smoothing {
     /// # Errors
     /// A signal of another number of values; a surface on which no heat flows.
     pub fn apply(&self, body: &Arc<Body>, painted: &[f32]) -> Result<Arc<[f32]>, CaricatureError> {
-        check_painted(painted.len(), &body.basis)?;
+        check_painted(painted.len(), body.basis.vertices())?;
         let mut softening = Softening::of(Arc::new(Surface::new(body)));
         self.apply_with(&body.basis, painted, &mut PaintedSpectrum::default(), &mut softening)
     }

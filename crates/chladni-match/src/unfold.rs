@@ -87,7 +87,7 @@ fn between_neighbors(shape: &UnitSurface, partners: &Partners, at: &[Closest], v
     found.point.iter().all(|x| x.is_finite()).then_some(found)
 }
 
-/// The triangles that are turned over, but are not in the shape itself: those are where they belong.
+/// The triangles that are turned over here, but not already in the shape itself: its own folds belong where they are.
 fn folded(shape: &UnitSurface, template: &UnitSurface, at: &[Closest]) -> Vec<u32> {
     let turned = |t: &u32| {
         let points = shape.triangles[*t as usize].map(|v| at[v as usize]);

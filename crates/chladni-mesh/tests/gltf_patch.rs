@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use chladni_mesh::{
     Format, Mended, MorphTarget, TriMesh, add_morph_targets, load_mesh, pictures_beside, read_mesh,
@@ -160,13 +160,19 @@ fn stripped(mut root: Value, before: &Value) -> Value {
     root
 }
 
+/// The path of such a file, and the mesh that it is read as.
+fn written(folder: &Path, root: &Value, data: &[u8]) -> (PathBuf, TriMesh) {
+    let path = folder.join("rigged.glb");
+    std::fs::write(&path, glb(root, data)).unwrap();
+    let mesh = load_mesh(&path).unwrap().mesh;
+    (path, mesh)
+}
+
 #[test]
 fn everything_stays_and_the_sliders_move_each_copy_as_asked() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("rigged.glb");
     let (root, data) = rigged();
-    std::fs::write(&path, glb(&root, &data)).unwrap();
-    let mesh = load_mesh(&path).unwrap().mesh;
+    let (path, mesh) = written(folder.path(), &root, &data);
     assert_eq!(mesh.positions.len(), 12, "three copies");
     let wanted = targets(&mesh);
     let bytes = add_morph_targets(&path, &mesh, &wanted).unwrap();
@@ -223,10 +229,8 @@ fn everything_stays_and_the_sliders_move_each_copy_as_asked() {
 #[test]
 fn sliders_of_one_name_are_numbered_beside_those_of_the_file() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("rigged.glb");
     let (root, data) = rigged();
-    std::fs::write(&path, glb(&root, &data)).unwrap();
-    let mesh = load_mesh(&path).unwrap().mesh;
+    let (path, mesh) = written(folder.path(), &root, &data);
     let still = vec![[0.0; 3]; mesh.positions.len()];
     let named = |name: &str| MorphTarget { name: name.into(), displacements: still.clone() };
     let wanted = ["Smile", "nose", "nose", "nose 2"].map(named);
@@ -380,9 +384,7 @@ fn sliders_of_another_scene_are_as_many_as_those_of_its_mesh() {
     root["scenes"].as_array_mut().unwrap().push(json!({ "nodes": [node] }));
     let channel = json!({ "sampler": 0, "target": { "node": node, "path": "weights" } });
     root["animations"][0]["channels"].as_array_mut().unwrap().push(channel);
-    let path = folder.path().join("scenes.glb");
-    std::fs::write(&path, glb(&root, &data)).unwrap();
-    let mesh = load_mesh(&path).unwrap().mesh;
+    let (path, mesh) = written(folder.path(), &root, &data);
     assert_eq!(mesh.positions.len(), 12, "the copies of the first scene");
     let now = parsed(&add_morph_targets(&path, &mesh, &targets(&mesh)).unwrap());
     assert_eq!(now.0["nodes"][node]["mesh"], 0);
@@ -401,9 +403,7 @@ fn what_is_no_animation_stays_as_it_is() {
     let (mut root, data) = rigged();
     let odd = [json!(5), json!("turn"), json!({ "name": "empty" }), json!({ "channels": 7 })];
     root["animations"].as_array_mut().unwrap().extend(odd.clone());
-    let path = folder.path().join("odd.glb");
-    std::fs::write(&path, glb(&root, &data)).unwrap();
-    let mesh = load_mesh(&path).unwrap().mesh;
+    let (path, mesh) = written(folder.path(), &root, &data);
     let now = parsed(&add_morph_targets(&path, &mesh, &targets(&mesh)).unwrap());
     assert_eq!(now.0["animations"].as_array().unwrap()[1..], odd);
 }

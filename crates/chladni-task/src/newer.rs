@@ -1,7 +1,7 @@
 //! Files of newer programs.
 
-/// `why` a reader of serde refused a text, where that names something unknown without the list of all that is known: a
-/// format that only grows keeps its number.
+/// `why` a reader of serde refused a text. Where it met an unknown name, a newer program is suggested in place of the list
+/// of known names: a format that only grows keeps its number, which therefore does not show it.
 ///
 /// ```
 /// let why = "unknown variant `strobe`, expected `dim` or `bright`";

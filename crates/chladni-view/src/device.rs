@@ -17,8 +17,7 @@ pub enum Draw {
 }
 
 impl Draw {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Auto, Self::Cpu, Self::Gpu];
+    const ALL: [Self; 3] = [Self::Auto, Self::Cpu, Self::Gpu];
 
     /// Its name, from which it is read.
     pub fn name(self) -> &'static str {

@@ -23,8 +23,8 @@ pub struct Finish {
     pub vignette: f32,
     /// How much each pixel differs by chance, in [0, 1]. Changes 24 times a second.
     pub grain: f32,
-    /// The effects that were left out of it, and stay so in a look that takes its place.
-    pub left_out: LeftOut,
+    /// Which effects, in the order of [`Effect::NAMED`], were left out of it, and stay so in a look that takes its place.
+    pub left_out: [bool; 4],
 }
 
 /// An effect that can be left out of a finish; depth of field has a strength that can be chosen instead.
@@ -51,16 +51,6 @@ impl Effect {
     }
 }
 
-/// Effects that are left out of a finish, as a set of bits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LeftOut(u8);
-
-impl LeftOut {
-    fn bit(effect: Effect) -> u8 {
-        1 << (effect as u8)
-    }
-}
-
 impl Finish {
     /// No effect; a blur that is added is focused on the front of the shape.
     pub const NOTHING: Self = Self {
@@ -72,7 +62,7 @@ impl Finish {
         bloom_from: 0.0,
         vignette: 0.0,
         grain: 0.0,
-        left_out: LeftOut(0),
+        left_out: [false; 4],
     };
 
     fn amount(&mut self, effect: Effect) -> &mut f32 {
@@ -93,15 +83,15 @@ impl Finish {
     #[must_use]
     pub fn without(mut self, effect: Effect) -> Self {
         *self.amount(effect) = 0.0;
-        self.left_out.0 |= LeftOut::bit(effect);
+        self.left_out[effect as usize] = true;
         self
     }
 
     /// The same with all of these left out.
     #[must_use]
-    pub fn without_all(self, left_out: LeftOut) -> Self {
+    pub fn without_all(self, left_out: [bool; 4]) -> Self {
         let all = Effect::NAMED.into_iter().map(|(_, effect)| effect);
-        all.filter(|effect| left_out.0 & LeftOut::bit(*effect) != 0).fold(self, Self::without)
+        all.filter(|effect| left_out[*effect as usize]).fold(self, Self::without)
     }
 
     /// Without the effects that read other pixels than the one they change: these cost most.
@@ -192,7 +182,8 @@ mod tests {
     fn each_effect_can_be_left_out_alone() {
         let finish =
             Finish { trail_secs: 0.2, bloom: 0.8, vignette: 0.5, grain: 0.1, blur: 0.6, ..Finish::NOTHING };
-        let left_out = |effect| Finish { left_out: LeftOut(LeftOut::bit(effect)), ..finish };
+        let left_out =
+            |effect| Finish { left_out: Effect::NAMED.map(|(_, known)| known == effect), ..finish };
         for (expected, effect) in [
             (Finish { trail_secs: 0.0, ..left_out(Effect::Trails) }, Effect::Trails),
             (Finish { bloom: 0.0, ..left_out(Effect::Glow) }, Effect::Glow),

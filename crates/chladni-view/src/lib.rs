@@ -78,7 +78,7 @@ pub use colormap::{ColorMap, Scale};
 pub use device::{Device, Draw};
 pub use error::ViewError;
 pub use film::{Film, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there};
-pub use finish::{Effect, Finish, LeftOut};
+pub use finish::{Effect, Finish};
 pub use gpu::Gpu;
 pub use layout::Rect;
 pub use look::{Look, Mood, Response};

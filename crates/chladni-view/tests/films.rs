@@ -7,7 +7,7 @@
 
 mod shapes;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use chladni_task::Task;
@@ -16,6 +16,7 @@ use chladni_view::{
     Background, Camera, Canvas, Cell, Film, FilmFormat, FilmSettings, FrameRate, Lights, Picture,
     PictureRequest, PictureShape, Rect, Renderer, Style, View, ViewError, film_turntable,
 };
+use tempfile::TempDir;
 
 const SIZE: (u32, u32) = (64, 48);
 
@@ -144,15 +145,21 @@ fn wav() -> Vec<u8> {
     bytes
 }
 
-#[test]
-fn an_mp4_has_its_frames_its_rate_and_its_sound() {
+/// A folder, the path of an MP4 in it, and a sound for that; without ffmpeg it says so.
+fn folder_with_sound() -> Option<(TempDir, PathBuf, PathBuf)> {
     if !ffmpeg_is_there() {
         eprintln!("skipped: no ffmpeg");
-        return;
+        return None;
     }
     let folder = tempfile::tempdir().unwrap();
     let (path, audio) = (folder.path().join("clip.mp4"), folder.path().join("sound.wav"));
     std::fs::write(&audio, wav()).unwrap();
+    Some((folder, path, audio))
+}
+
+#[test]
+fn an_mp4_has_its_frames_its_rate_and_its_sound() {
+    let Some((folder, path, audio)) = folder_with_sound() else { return };
     write(&path, FilmSettings { audio: Some(audio), ..settings(25, 30) }).unwrap();
     assert_eq!(names(folder.path()), ["clip.mp4", "sound.wav"]);
     let output = Command::new("ffprobe")
@@ -206,13 +213,7 @@ fn an_mp4_has_its_frames_its_rate_and_its_sound() {
 
 #[test]
 fn the_sound_of_an_mp4_ends_with_its_pictures() {
-    if !ffmpeg_is_there() {
-        eprintln!("skipped: no ffmpeg");
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let (path, audio) = (folder.path().join("clip.mp4"), folder.path().join("sound.wav"));
-    std::fs::write(&audio, wav()).unwrap();
+    let Some((_folder, path, audio)) = folder_with_sound() else { return };
     for (fps, frames) in [(240.0, 24), (12.5, 10)] {
         let rate = FrameRate::decimal(fps);
         write(&path, FilmSettings { audio: Some(audio.clone()), rate, ..settings(frames, 1) }).unwrap();

@@ -34,8 +34,7 @@ impl ShowSong {
 
 impl From<SongRef> for ShowSong {
     fn from(song: SongRef) -> Self {
-        let file = FileRef { path: song.path, blake3: song.blake3 };
-        Self { file, beats: None, reading: song.reading }
+        Self { file: song.file(), beats: None, reading: song.reading }
     }
 }
 

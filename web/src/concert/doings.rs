@@ -46,12 +46,13 @@ impl Concert {
     }
 
     /// Begins anew with the form, the knobs and the switches of another concert, and with as many dances. What sand and the
-    /// autopilot have set there is as it was before them. Where it `keeps_look`, a look that was chosen there stays, but
-    /// not the one in which its shape was shown first. Effects that were left out stay out of any.
+    /// autopilot have set there is as it was before them. A look that was chosen there stays, but not the one in which its
+    /// shape was shown first, nor that of the `front`, as a show file names it. Effects that were left out stay out of any.
     ///
     /// # Errors
-    /// Bugs only.
-    pub fn go_on_from(&mut self, before: &Concert, keeps_look: bool) -> Result<(), JsError> {
+    /// Text that says no look, and bugs.
+    pub fn go_on_from(&mut self, before: &Concert, front: &str) -> Result<(), JsError> {
+        let unchosen = [opening_looks(&before.name), serde_json::from_str(front)?];
         // A copy, so that no show has these actions.
         let mut set_back = before.instrument.clone();
         let piloted = before.programme.iter().flat_map(|programme| programme.end(&before.instrument));
@@ -67,12 +68,10 @@ impl Concert {
         let shape = self.instrument.shape().clone();
         self.instrument = Instrument::beginning_with(set_back.parameters().clone(), seed, size, shape)?;
         self.hearing.tune(0.0, self.instrument.parameters());
-        let unchosen = Looks { without: before.looks.without.clone(), ..opening_looks(&before.name) };
-        if keeps_look && before.looks != unchosen {
-            self.looks = before.looks.clone();
-        } else {
-            self.looks.without = unchosen.without;
+        if !unchosen.contains(&Looks { without: Vec::new(), ..before.looks.clone() }) {
+            self.looks.clone_from(&before.looks);
         }
+        self.looks.without.clone_from(&before.looks.without);
         Ok(())
     }
 

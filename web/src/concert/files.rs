@@ -5,8 +5,8 @@ use chladni_program::work::{Hearing, ShowClock, cautions, is_like_a_show};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
+use super::Concert;
 use super::beat::ShowSong;
-use super::{Concert, is_called};
 
 /// A preset, or a show with the files that the page has to find by itself.
 #[derive(Serialize)]
@@ -59,10 +59,11 @@ impl Concert {
     /// # Errors
     /// Bugs only.
     pub fn save_show(&self) -> Result<String, JsError> {
-        let named = self.shows_body.clone().filter(|file| is_called(&file.path, &self.name));
+        let body =
+            self.shows_body.clone().unwrap_or_else(|| FileRef { path: self.name.clone(), blake3: None });
         let show = Show {
             stands: self.given,
-            body: named.or_else(|| Some(FileRef { path: self.name.clone(), blake3: None })),
+            body: Some(body),
             looks: Some(self.looks.clone()),
             viewpoint: self.viewpoint,
             songs: self.songs.iter().map(ShowSong::reference).collect(),
@@ -84,18 +85,13 @@ impl Concert {
         let show = Show::from_text(text)?;
         let caution = show.caution_on(self.harmonics());
         self.instrument = show.replay(self.instrument.shape().clone())?;
-        self.stand_as_in(&show);
+        self.set_as_in(&show);
         let at_secs = show.ends_secs();
         (self.programme, self.script, self.before_sand, self.live) = (None, None, None, None);
         self.hearing = Hearing::continued(&show.heard, show.clock, at_secs);
         self.clock = ShowClock::from(at_secs);
         self.hearing.tune(at_secs, self.instrument.parameters());
         self.songs = show.songs.into_iter().map(ShowSong::from).collect();
-        self.viewpoint = show.viewpoint;
-        self.shows_body = show.body;
-        if let Some(looks) = show.looks {
-            self.looks = looks;
-        }
         // Its songs are not known yet, and the count begins without their beats.
         self.count_beats()?;
         Ok(caution)

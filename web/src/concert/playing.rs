@@ -36,7 +36,7 @@ impl Concert {
     pub fn play_show(&mut self, text: &str) -> Result<(), JsError> {
         let show = Show::from_text(text)?;
         self.instrument = show.begin(self.instrument.shape().clone())?;
-        self.stand_as_in(&show);
+        self.set_as_in(&show);
         let ends_secs = show.ends_secs();
         let first =
             Stretch { at_secs: 0.0, song: Some(0), song_secs: 0.0, playing: true, crossfade_secs: 0.0 };
@@ -47,11 +47,6 @@ impl Concert {
             heard: heard.into(),
             ends_secs: ends_secs.max(last_secs),
         });
-        self.viewpoint = show.viewpoint;
-        self.shows_body = show.body;
-        if let Some(looks) = show.looks {
-            self.looks = looks;
-        }
         (self.programme, self.before_sand, self.live) = (None, None, None);
         (self.hearing, self.clock) = (Hearing::default(), ShowClock::default());
         self.hearing.know_clock(show.clock);

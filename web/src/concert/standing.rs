@@ -33,17 +33,22 @@ impl Concert {
         Axis::of(given.up()).map_or_else(|| "other".to_owned(), |axis| axis.to_string())
     }
 
-    /// The body stands as in a show, if that is its own.
-    pub(super) fn stand_as_in(&mut self, show: &Show) {
-        if show.body.as_ref().is_some_and(|body| is_called(&body.path, &self.name)) {
+    /// Seen as in a show, in its look if it names one; and the body stands as there, if that is the show's own.
+    pub(super) fn set_as_in(&mut self, show: &Show) {
+        self.shows_body = show.body.clone().filter(|body| is_called(&body.path, &self.name));
+        if self.shows_body.is_some() {
             self.stand_as(show.stands);
+        }
+        self.viewpoint = show.viewpoint;
+        if let Some(looks) = &show.looks {
+            self.looks.clone_from(looks);
         }
     }
 
     fn stand_as(&mut self, given: Option<Orientation>) {
         let stands = given.unwrap_or(self.found);
         if stands != self.staging.stands() {
-            let dancer = Arc::new(self.ensemble.dancer().standing(&self.body, &stands));
+            let dancer = Arc::new(self.ensemble.dancer().standing(self.sand.body(), &stands));
             self.ensemble.give_to(Arc::clone(&dancer));
             self.staging.stand(dancer, stands);
         }

@@ -188,6 +188,10 @@ impl Draft {
             return Err(MeshError::NoFace(format));
         }
         self.countable().map_err(|Fault { at, reason }| MeshError::Malformed { format, at, reason })?;
+        // Only now: readers tell an unusable point, which corners may share, by its value.
+        for point in self.uvs.iter_mut().filter(|point| !is_texture_point(**point)) {
+            *point = [0.0; 2];
+        }
         let mut triangles = Vec::with_capacity(self.corners.len().saturating_sub(2 * self.ends.len()));
         let (mut divided, mut folded) = (BTreeMap::new(), 0);
         let mut start = 0;

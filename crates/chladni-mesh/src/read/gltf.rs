@@ -109,10 +109,6 @@ pub(crate) fn read_placed(
             draft.mended.push(Mended::LeftOut(format!("{what} ({count})")));
         }
     }
-    // Only now, so that a point that primitives share is unusable for each of them.
-    for point in draft.uvs.iter_mut().filter(|point| !is_texture_point(**point)) {
-        *point = [0.0; 2];
-    }
     let mut loaded = draft.finish(format)?;
     loaded.stored_positions = stored;
     Ok((loaded, placed))

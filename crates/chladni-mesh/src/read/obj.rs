@@ -140,9 +140,6 @@ impl Obj {
                 }
             }
         }
-        for point in draft.uvs.iter_mut().filter(|point| !is_texture_point(**point)) {
-            *point = [0.0; 2];
-        }
         if bad_uvs > 0 {
             draft.mended.push(Mended::Uvs(bad_uvs));
         }

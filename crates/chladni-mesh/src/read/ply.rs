@@ -33,9 +33,6 @@ pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {
         }
     }
     let mut draft = ply.draft;
-    for point in draft.uvs.iter_mut().filter(|point| !is_texture_point(**point)) {
-        *point = [0.0; 2];
-    }
     if ply.bad_uvs > 0 {
         draft.mended.push(Mended::Uvs(ply.bad_uvs));
     }

@@ -201,7 +201,7 @@ pub(crate) fn first_waving(eigenvalues: &[f64]) -> usize {
     eigenvalues.partition_point(|&l| l <= 1e-9 * largest)
 }
 
-/// The eigenvalue of that harmonic.
+/// The smallest eigenvalue of a harmonic that is not constant; 1 where there is none.
 pub(crate) fn slowest(eigenvalues: &[f64]) -> f64 {
     eigenvalues.get(first_waving(eigenvalues)).copied().unwrap_or(1.0)
 }

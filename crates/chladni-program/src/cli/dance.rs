@@ -366,7 +366,7 @@ impl Dance {
         };
         let body = match (&self.mesh, &show.body) {
             (Some(mesh), _) => {
-                // Its stance is that of its own shape.
+                // How the show's own shape stands says nothing of another one.
                 show.stands = None;
                 mesh.clone()
             }

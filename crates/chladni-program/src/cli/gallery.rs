@@ -17,8 +17,8 @@ use crate::work::{Error, Lettering, Watcher, write_file};
 /// Which caricatures of the gallery.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct GalleryOptions {
-    /// Draw twelve caricatures that differ, numbered, on a sheet (-o sheet.png); TEMPLATE may be left out. --seed is
-    /// that of the gallery instead [default: 1, as in the window] and makes others.
+    /// Draw twelve caricatures that differ, numbered, on a sheet (-o sheet.png); TEMPLATE may be left out. --seed
+    /// makes others: here it is the gallery's own [default: 1, as in the window].
     // Clap waives what an option requires where that conflicts with what is given: such options are named, too.
     #[arg(long, conflicts_with_all = ["recipe", "render", "show", "sweep", "turntable", "turn_secs", "resume",
         "piece", "RegionOptions", "model", "mu", "strength", "cutoff", "roll_off", "no_clamp", "scale_curve",

@@ -137,31 +137,24 @@ impl LayerOptions {
     }
 
     /// Checks that no option for matching is given where `template` is no mesh, and so is not matched, nor one that the
-    /// method does not use.
+    /// method does not use. The seed of what `is_bred` is that of a gallery, and of use in any case.
     ///
     /// # Errors
     /// [`Error::Input`] with the option's name.
-    pub fn check_for(&self, template: Option<&Template>) -> Result<(), Error> {
+    pub fn check_for(&self, template: Option<&Template>, is_bred: bool) -> Result<(), Error> {
+        let seed = self.seed.filter(|_| !is_bred);
         let given = self.matching.map(|_| "--match").or(self.landmarks.as_ref().map(|_| "--landmarks"));
         let given = given.or(self.rigid.then_some("--rigid")).or(self.infill.map(|_| "--infill"));
-        match given {
+        match given.or(seed.map(|_| "--seed")) {
             Some(option) if !template.is_some_and(Template::is_mesh) => {
                 Err(Error::Input(format!("{option} is for a template that is a mesh")))
             }
-            _ => check_landmarks(self.matching.unwrap_or_default(), self.landmarks.as_deref()),
+            _ => {
+                let method = self.matching.unwrap_or_default();
+                check_landmarks(method, self.landmarks.as_deref())?;
+                check_seed(method, seed)
+            }
         }
-    }
-
-    /// Checks that no seed is given where nothing is sampled: where `template` is no mesh, or matched vertex by vertex. A
-    /// gallery has a use for it of its own.
-    ///
-    /// # Errors
-    /// [`Error::Input`] where one is.
-    pub fn check_seed(&self, template: Option<&Template>) -> Result<(), Error> {
-        if self.seed.is_some() && !template.is_some_and(Template::is_mesh) {
-            return Err(Error::input("--seed is for a template that is a mesh"));
-        }
-        check_seed(self.matching.unwrap_or_default(), self.seed)
     }
 
     /// Checks that no option for the edge of a region is given where there is none, nor one that its edge does not have;

@@ -130,8 +130,7 @@ impl New {
 
 impl AddLayer {
     fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        self.layer.check_for(Some(&self.template))?;
-        self.layer.check_seed(Some(&self.template))?;
+        self.layer.check_for(Some(&self.template), false)?;
         let mut project = source::project(&self.project, terminal)?;
         let before = project.clone();
         self.layer.check_clamp(project.laplacian == Laplacian::Cotangent)?;

@@ -32,6 +32,15 @@ pub fn show(response: &Response, contents: impl FnOnce(&mut Ui)) {
     }
 }
 
+/// An entry of a menu, which closes once it is clicked: egui closes it by itself only for the pointer.
+pub fn entry(ui: &mut Ui, enabled: bool, label: impl Into<String>) -> Response {
+    let entry = ui.add_enabled(enabled, egui::Button::new(label.into()));
+    if entry.clicked() {
+        ui.close();
+    }
+    entry
+}
+
 #[cfg(test)]
 mod tests {
     use egui_kittest::Harness;

@@ -7,7 +7,8 @@ const WRITING: f64 = 0.05;
 /// On the slowest disk no copy waits longer for that.
 pub const LONGEST_SECS: f64 = 60.0;
 
-/// How long after a copy, which took `took_secs` to write, the next one may be due: between these times.
+/// How long after a copy, which took `took_secs` to write, the next one may be due, in seconds; at least
+/// `least` and at most `most`.
 pub fn pause_secs(took_secs: f64, [least, most]: [f64; 2]) -> f64 {
     (took_secs / WRITING).clamp(least, most)
 }

@@ -6,12 +6,19 @@ use egui::{Context, Vec2, ViewportCommand};
 const FRAME: Vec2 = Vec2::new(0.0, 80.0);
 
 /// How large a window is drawn.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Fitting {
     /// The zoom of the last frame.
     last: f32,
     /// The zoom for which the system knows the smallest size of the window.
     smallest_at: f32,
+}
+
+impl Default for Fitting {
+    /// Of a new window: egui begins without zoom, and the window's builder has set its smallest size.
+    fn default() -> Self {
+        Self { last: 1.0, smallest_at: 1.0 }
+    }
 }
 
 impl Fitting {

@@ -14,14 +14,13 @@ use winit::window::Window;
 use super::Studio;
 use super::caricature::PATIENCE;
 use super::choose::{Chooser, SystemDialogs, is_set, is_wayland};
-use super::device::graphics_window;
+use super::device;
 use super::error::StudioError;
 use super::folders::Folders;
 use super::handover::Handover;
 use super::measure::{FirstPicture, Measure};
 use super::processor_window::{self, Program};
 use super::screen::Screen;
-use crate::work::system_fonts;
 
 /// Points of the window when it opens.
 pub(super) const WINDOW: [f32; 2] = [1320.0, 820.0];
@@ -84,11 +83,7 @@ fn open_once(opening: Opening) -> Result<(), StudioError> {
         };
         return Ok(processor_window::open(viewport, create)?);
     }
-    let create = |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
-        creation.egui_ctx.add_font_provider(system_fonts());
-        Ok(Box::new(Studio::new(creation, opening)?))
-    };
-    eframe::run_native("chladni", graphics_window(viewport), Box::new(create))?;
+    device::open("chladni", viewport, |creation| Ok(Box::new(Studio::new(creation, opening)?)))?;
     Ok(())
 }
 

@@ -142,10 +142,8 @@ impl Settings {
             if !path.exists() {
                 return self.save(path).map(|()| None);
             }
-            let read = read_text_file(path, LARGEST).and_then(|text| {
-                Self::from_text(&text)?;
-                text.parse::<toml::Table>().map_err(io::Error::other)
-            });
+            let read = read_text_file(path, LARGEST)
+                .and_then(|text| text.parse::<toml::Table>().map_err(io::Error::other));
             let Ok(there) = read else {
                 let aside = Self::set_aside(path)?;
                 return self.save(path).map(|()| Some(aside));

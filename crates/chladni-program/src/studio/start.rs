@@ -11,6 +11,7 @@ use super::choose::takes_drops;
 use super::icon::{self, Icon};
 use super::keys::start::OPEN;
 use super::{Studio, theme};
+use crate::work::shown_name;
 use crate::work::source::sample_path;
 
 /// Width of the column that everything stands in.
@@ -117,9 +118,7 @@ impl Studio {
     fn recent_cards(&mut self, ui: &mut Ui) -> Option<Choice> {
         let mut chosen = None;
         for path in self.settings.recent.clone() {
-            let name = path
-                .file_name()
-                .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
+            let name = shown_name(&path).into_owned();
             let picture = self.pictures.of_file(ui.ctx(), &path);
             let room = self.rooms.iter().position(|room| room.claims(&path)).unwrap_or(0);
             let mark = self.rooms.get(room).map_or(Icon::File, |room| room.icon());

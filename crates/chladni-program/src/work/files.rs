@@ -1,5 +1,6 @@
 //! The files that a show needs: named by path and hash, and found again.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -19,6 +20,11 @@ static KNOWN: Mutex<BTreeMap<PathBuf, (Stamp, String)>> = Mutex::new(BTreeMap::n
 
 /// A file that was changed no longer ago may change again without another stamp.
 const SETTLED: Duration = Duration::from_secs(2);
+
+/// The name of a file without its folders, as it is shown.
+pub fn shown_name(path: &Path) -> Cow<'_, str> {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy()
+}
 
 /// How a show in `folder` names `path`: relative if it lies below the folder, else absolute. A sample by its
 /// name.
@@ -149,6 +155,12 @@ fn stamp_of(path: &Path) -> Option<Stamp> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_is_shown_without_its_folders() {
+        assert_eq!(shown_name(Path::new("/home/ernst/shapes/plate.obj")), "plate.obj");
+        assert_eq!(shown_name(Path::new("sample:octopus")), "sample:octopus");
+    }
 
     #[test]
     fn a_file_is_read_again_only_where_it_may_have_changed() {

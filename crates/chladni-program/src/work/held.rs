@@ -2,6 +2,11 @@
 
 use chladni_music::{Action, Settings};
 
+/// Whether one of the changes that are `held` says the form.
+pub fn holds_form(held: &[Action]) -> bool {
+    held.iter().any(|change| matches!(change, Action::SetForm { .. }))
+}
+
 /// Leaves out of settings what `change` sets.
 pub fn leave_out(change: &Action, settings: &mut Settings) {
     match change {

@@ -4,9 +4,7 @@ use std::sync::LazyLock;
 
 use chladni_view::Picture;
 use epaint::mutex::Mutex;
-use epaint::text::{
-    FontDefinitions, FontId, Fonts, LayoutJob, TextFormat, TextOptions, TextWrapping, ViewportKey,
-};
+use epaint::text::{FontDefinitions, FontId, Fonts, LayoutJob, TextOptions, TextWrapping, ViewportKey};
 use epaint::{Color32, ColorImage, FontColorTransferFunction};
 
 use super::system_fonts::system_fonts;
@@ -50,17 +48,18 @@ impl Lettering {
     pub fn within(text: &str, size_px: f32, width_px: f32) -> Self {
         let visible = |letter: char| if letter.is_control() { ' ' } else { letter };
         let text: String = text.chars().take(LONGEST).map(visible).collect();
-        let format = TextFormat::simple(FontId::proportional(size_px), Color32::WHITE);
         let wrap = TextWrapping::truncate_at_width(width_px.max(0.0));
-        let job = LayoutJob { wrap, break_on_newline: false, ..LayoutJob::single_section(text, format) };
+        let line = LayoutJob::simple_singleline(text, FontId::proportional(size_px), Color32::WHITE);
+        let job = LayoutJob { wrap, ..line };
         let mut fonts = FONTS.lock();
         fonts.begin_pass(OPTIONS, ViewportKey::default());
         let galley = fonts.with_pixels_per_point(1.0).layout_job(job);
-        let Some(row) = galley.rows.first().filter(|row| !row.row.glyphs.is_empty()) else {
+        let row = galley.rows.first();
+        let Some((row, first)) = row.and_then(|row| Some((row, row.row.glyphs.first()?))) else {
             return Self::default();
         };
         let [width, height] = [galley.size().x, galley.size().y].map(|length| length.ceil() as usize);
-        let ascent = row.row.glyphs.first().map_or(0.0, |glyph| row.pos.y + glyph.pos.y).round() as usize;
+        let ascent = (row.pos.y + first.pos.y).round() as usize;
         let mut line = Self { width, height, covered: vec![0.0; width * height], ascent };
         let letters = fonts.texture_atlas().image();
         for glyph in &row.row.glyphs {

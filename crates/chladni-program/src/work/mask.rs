@@ -110,11 +110,9 @@ fn unreadable(path: &Path, vertices: usize, why: impl std::fmt::Display) -> Erro
 
 fn no_channel(mesh: &TriMesh, channel: Option<&str>) -> String {
     let known: Vec<&str> = mesh.channels().collect();
-    let wanted = channel.unwrap_or("mask or color");
-    if known.is_empty() {
-        return format!("its vertices have no {wanted}; they have nothing");
-    }
-    format!("its vertices have no {wanted}; they have {}{}", known.join(", "), how_to_choose(channel))
+    let known =
+        if known.is_empty() { "nothing".to_owned() } else { known.join(", ") + how_to_choose(channel) };
+    format!("its vertices have no {}; they have {known}", channel.unwrap_or("mask or color"))
 }
 
 /// How one of several is chosen, where none was named.

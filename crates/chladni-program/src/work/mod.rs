@@ -87,7 +87,8 @@ pub use ear::{BeatCount, Ear};
 pub use error::{Error, Warning};
 pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
 pub use files::{
-    file_hash, is_hidden, is_lost, known_hash, placed, refer, refer_looks, resolve, resolve_looks, unread,
+    file_hash, is_hidden, is_lost, known_hash, placed, refer, refer_looks, resolve, resolve_looks,
+    shown_name, unread,
 };
 pub use frame_guard::FrameGuard;
 pub use furthest::{MAY_FOLD, furthest_mu};

@@ -8,7 +8,7 @@ use chladni_music::{
 use chladni_view::Look;
 
 use super::Error;
-use super::held::leave_out;
+use super::held::{holds_form, leave_out};
 
 /// The dances while nobody chooses.
 pub struct Programme {
@@ -204,8 +204,7 @@ impl Programme {
         let (low, high) = Parameter::Gain.range();
         let value = (self.gain * turn.gain).clamp(low, high);
         self.set = Some((value, turn.gain));
-        let is_held = self.held.iter().any(|change| matches!(change, Action::SetForm { .. }));
-        let form = self.form.filter(|_| !is_held).map(|form| Action::SetForm { form });
+        let form = self.form.filter(|_| !holds_form(&self.held)).map(|form| Action::SetForm { form });
         // The show's own look suits the body, so the first turn has that; but not a sheet without its sand.
         let keeps_look = self.autopilot.is_at_first() && self.form.is_none();
         let look = self.looks.get(turn.look).filter(|_| !keeps_look);

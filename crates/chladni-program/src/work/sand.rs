@@ -47,6 +47,11 @@ impl SandTable {
         Self { body, tray: None, sands, sweeps: 0, next, begins, most_steps, grains, radius: 0.0 }
     }
 
+    /// The shape.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
     /// The time of the next step, where it is not after `at_secs`.
     pub fn due(&mut self, at_secs: f64) -> Option<f64> {
         let last = (at_secs / SAND_STEP_SECS + 1e-6).floor() as i64;

@@ -3,12 +3,12 @@
 use chladni_caricature::{Project, Template};
 use chladni_mesh::samples::portrait_sliders;
 
+use super::shown_name;
+
 /// The name under which a template of a layer of `project` is shown.
 pub fn template_name(template: &Template, project: &Project) -> String {
     match template {
-        Template::File(path) => path
-            .file_name()
-            .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned()),
+        Template::File(path) => shown_name(path).into_owned(),
         Template::Sample(name) if portrait_sliders(name).is_some() => "head of sliders".into(),
         Template::Sample(name) => format!("sample {name}"),
         Template::Ellipsoid => "fitted ellipsoid".into(),

@@ -113,8 +113,7 @@ pub struct Staging {
     reaches: [[f32; 2]; 3],
     /// Whether the body is a sheet.
     flat: bool,
-    /// The displacement for which a cell has room, and the points that have to fit into it for that: of one shape, and
-    /// of a gallery. Two windows may show both in every frame, and the points take long to find.
+    /// Of one shape, and of a gallery: two windows may show both in every frame, and the points take long to find.
     rooms: [Room; 2],
     /// Points of the surface, and from how far they fill a picture.
     surface: Vec<[f32; 3]>,
@@ -142,7 +141,7 @@ const ASPECT_STEP: f32 = 0.02;
 /// The same for limits of displacement, upward: who drags that knob does not wait for them in every frame.
 const LIMIT_STEP: f32 = 0.08;
 
-/// Room is made for at least this gain below sand.
+/// The least gain that what sand lies on has room for: with none, room would be made for no movement at all.
 const LEAST_GAIN: f32 = 0.05;
 
 /// All that a picture shows beside the shapes themselves.
@@ -254,7 +253,7 @@ impl Staging {
     /// Finds the points that have to be seen with these knobs, where others were wanted before.
     fn make_room(&mut self, is_gallery: bool, knobs: &Parameters) {
         // What sand lies on hardly moves.
-        let gain = knobs.get(Parameter::Gain).abs().clamp(LEAST_GAIN, 1.0);
+        let gain = knobs.get(Parameter::Gain).clamp(LEAST_GAIN, 1.0);
         let share = if knobs.is_on(Switch::Sand) { stepped_up(gain).min(1.0) } else { 1.0 };
         let limit = knobs.get(Parameter::Limit) * if is_gallery { GALLERY_ROOM } else { share };
         let along_normal = self.flat && knobs.form == Form::Modal;

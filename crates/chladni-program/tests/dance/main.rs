@@ -13,6 +13,7 @@ mod strobing;
 use std::path::Path;
 
 use chladni_mesh::{load_mesh, samples, save_mesh};
+use chladni_program::work::{Aside, film};
 use chladni_sound::{Song, WavSample, write_wav};
 
 use strobing::{ball, luminances, strobe, strobing_film};
@@ -24,6 +25,14 @@ fn run(arguments: &[&str]) -> u8 {
 fn array(path: &Path, name: &str) -> (Vec<u64>, Vec<f64>) {
     let archive::Array { shape, values } = archive::array(path, name).unwrap();
     (shape, values)
+}
+
+/// The warnings with which a film is made.
+fn warnings_of(film: film::Film) -> Vec<String> {
+    let task = chladni_task::Task::new();
+    let aside = Aside::new(&task);
+    film::make(film, &aside).map(drop).unwrap();
+    aside.warnings().iter().map(ToString::to_string).collect()
 }
 
 #[test]
@@ -303,7 +312,6 @@ fn a_folder_of_pictures_may_have_any_name() {
 
 #[test]
 fn a_gallery_is_no_animation_which_is_said_before_any_work() {
-    use chladni_program::work::{Aside, film};
     let folder = tempfile::tempdir().unwrap();
     let output = film::Output::to(folder.path().join("film.glb"));
     let gallery = film::Beginning { gallery: Some(6), ..film::Beginning::default() };
@@ -314,7 +322,6 @@ fn a_gallery_is_no_animation_which_is_said_before_any_work() {
 
 #[test]
 fn an_animation_takes_looks_that_feel_speed() {
-    use chladni_program::work::{Aside, film};
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("film.glb");
     let look = chladni_music::Action::SetLook { look: "spark".into() };
@@ -328,7 +335,6 @@ fn an_animation_takes_looks_that_feel_speed() {
 
 #[test]
 fn a_dance_of_a_gltf_file_says_what_its_glb_lacks() {
-    use chladni_program::work::{Aside, film};
     let folder = tempfile::tempdir().unwrap();
     let hero = folder.path().join("hero.glb");
     save_mesh(&samples::sample("octopus").unwrap(), &hero).unwrap();
@@ -336,10 +342,7 @@ fn a_dance_of_a_gltf_file_says_what_its_glb_lacks() {
     let body = hero.display().to_string();
     let mut film = film::Film::new(body, "sample:tune".into(), film::Beginning::default(), output);
     (film.harmonics, film.duration_secs) = (Some(24), Some(0.5));
-    let task = chladni_task::Task::new();
-    let aside = Aside::new(&task);
-    film::make(film, &aside).map(drop).unwrap();
-    let warnings: Vec<String> = aside.warnings().iter().map(ToString::to_string).collect();
+    let warnings = warnings_of(film);
     assert!(warnings.iter().any(|warning| warning.contains("are left out of the GLB")), "{warnings:?}");
 }
 
@@ -532,7 +535,6 @@ fn knobs_switches_and_choices_are_set_by_their_names() {
 
 #[test]
 fn a_film_that_is_cancelled_leaves_nothing() {
-    use chladni_program::work::{Aside, film};
     let folder = tempfile::tempdir().unwrap();
     let output = film::Output { width: 64, height: 64, ..film::Output::to(folder.path().join("film.gif")) };
     let show = chladni_music::Show::from_text("format_version = 1\nseed = 1\nsize = 6\n").unwrap();

@@ -6,11 +6,11 @@ use chladni_music::{
     Action, FileRef, Form, GalleryShape, Instrument, LoggedAction, Moment, Parameter, Settings, SongRef,
     Stretch, Switch,
 };
-use chladni_program::work::{Aside, film};
+use chladni_program::work::film;
 use chladni_sound::{Song, WavSample, write_wav};
 
 use crate::looks::{frame, show};
-use crate::{array, ball, run};
+use crate::{array, ball, run, warnings_of};
 
 /// Shape and values of the coefficients of a show in which `changes` are made after 0.2 s.
 fn danced(folder: &Path, changes: &[Action], start: &str, more: &[&str]) -> (Vec<u64>, Vec<f64>) {
@@ -75,10 +75,7 @@ fn a_knob_that_the_form_ignores_is_warned_of() {
     let beginning = film::Beginning { changes, ..film::Beginning::default() };
     let mut film = film::Film::new(mesh.display().to_string(), "sample:tune".into(), beginning, output);
     (film.harmonics, film.duration_secs) = (Some(24), Some(0.1));
-    let task = chladni_task::Task::new();
-    let aside = Aside::new(&task);
-    film::make(film, &aside).map(drop).unwrap();
-    let said: Vec<String> = aside.warnings().iter().map(ToString::to_string).collect();
+    let said = warnings_of(film);
     assert!(said.iter().any(|warning| warning.contains("Without effect in halves")), "{said:?}");
 }
 

@@ -9,10 +9,10 @@ use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use crate::CTRL;
 use crate::driving::painted::Painted;
 use crate::driving::person::Desk;
 use crate::driving::{control, screenshot};
+use crate::{CTRL, settle_on_screen};
 
 type Answer = Rc<RefCell<Vec<PathBuf>>>;
 
@@ -119,12 +119,7 @@ fn letters_of_the_file_window_fit_the_screen() {
     let settings = Settings { zoom: 3.0, ..Settings::default() };
     let (mut window, _) = file_window_with(&desk, Purpose::Open, settings);
     let screen = vec2(700.0, 520.0);
-    for _ in 0..8 {
-        let points = screen / window.ctx.zoom_factor();
-        let viewports = &mut window.input_mut().viewports;
-        viewports.entry(egui::ViewportId::ROOT).or_default().monitor_size = Some(points);
-        window.run_steps(1);
-    }
+    settle_on_screen(&mut window, screen);
     // 360 points of the smallest window and 80 of frames and bars fill the height.
     let zoom = window.ctx.zoom_factor();
     assert!((zoom - 440.0 / 360.0).abs() < 1e-3, "{zoom}");

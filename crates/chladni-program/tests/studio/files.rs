@@ -8,9 +8,9 @@ use chladni_program::studio::{FirstPicture, Opening};
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 
-use crate::CTRL;
 use crate::driving::person::{self, Desk, HARMONICS, Person};
 use crate::driving::{numbers_by_tab, wait_until_left};
+use crate::{CTRL, settle_on_screen};
 
 #[test]
 fn work_survives_a_crash_and_is_asked_about_on_closing() {
@@ -410,12 +410,7 @@ fn letters_shrink_from_the_largest_that_the_screen_has_room_for() {
     let screen = egui::vec2(1200.0, 710.0);
     for (key, expected) in [(Key::Plus, 1.05), (Key::Minus, 1.05 / 1.1)] {
         person.0.key_press_modifiers(CTRL, key);
-        for _ in 0..8 {
-            let points = screen / person.0.ctx.zoom_factor();
-            let viewports = &mut person.0.input_mut().viewports;
-            viewports.entry(egui::ViewportId::ROOT).or_default().monitor_size = Some(points);
-            person.0.run_steps(1);
-        }
+        settle_on_screen(&mut person.0, screen);
         let zoom = person.0.ctx.zoom_factor();
         assert!((zoom - expected).abs() < 1e-3, "{key:?}: {zoom}");
     }

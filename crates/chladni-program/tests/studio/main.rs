@@ -28,4 +28,14 @@ mod summary;
 mod templates;
 mod tour;
 
+/// Runs frames on a screen of this size, in points without zoom, until the zoom has settled.
+fn settle_on_screen<State>(window: &mut egui_kittest::Harness<'_, State>, screen: egui::Vec2) {
+    for _ in 0..8 {
+        let points = screen / window.ctx.zoom_factor();
+        let viewports = &mut window.input_mut().viewports;
+        viewports.entry(egui::ViewportId::ROOT).or_default().monitor_size = Some(points);
+        window.run_steps(1);
+    }
+}
+
 const CTRL: egui::Modifiers = egui::Modifiers::COMMAND;

@@ -16,7 +16,7 @@ const DOWNBEAT: f32 = 1.5;
 const WEIGHTS: [f32; 4] = [0.5, 0.33, 0.9, 0.3];
 /// Weight, in nats, of the similarity to the beat one bar ago.
 const REPETITION: f32 = 3.0;
-/// Probability that the next bar has the other meter, and that a bar is cut short after a beat that is not its last.
+/// Probability that the next bar has the other meter, and, after each beat but its last, that a bar is cut short.
 const CHANGE: f32 = 0.01;
 const CUT: f32 = 0.000_5;
 /// Prior probability of each meter.

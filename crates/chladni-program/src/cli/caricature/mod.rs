@@ -44,7 +44,7 @@ pub struct Caricature {
         conflicts_with = "recipe")]
     template: Option<Template>,
     /// Where the result goes: .obj, .ply, .stl or .glb (with a slider per layer). With --batch a
-    /// folder. May be left out, but for --batch, where --render or --turntable draws.
+    /// folder. May be left out where --render or --turntable draws, but not with --batch.
     #[arg(short, long, value_name = "OUT", required_unless_present = "picture")]
     output: Option<PathBuf>,
     /// K, the number of harmonics [default: 512].
@@ -132,10 +132,7 @@ impl Caricature {
         if self.gallery.is_missing() {
             return Err(Error::input("--choose, --variant and --surprise are for --gallery"));
         }
-        self.layer.check_for(self.template.as_ref())?;
-        if !self.gallery.gallery {
-            self.layer.check_seed(self.template.as_ref())?;
-        }
+        self.layer.check_for(self.template.as_ref(), self.gallery.gallery)?;
         self.layer.check_edge(self.region.is_given(), self.paper)?;
         let in_ink = self.render.as_deref().is_some_and(|path| self.ink.wanted(path));
         if in_ink && !self.sheet.show.iter().all(|panel| panel.is_plain()) {

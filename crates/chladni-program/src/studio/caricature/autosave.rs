@@ -180,7 +180,8 @@ fn work(recovery: Recovery, inbox: &Receiver<Order>, reports: &Sender<Report>) {
     }
 }
 
-/// Whether the copy ordered before `next` need not be written. It must be before an older one is discarded.
+/// Whether the copy ordered before `next` need not be written. Where an older copy is discarded next, it must be written
+/// first.
 fn replaces_a_copy(next: Option<&Order>) -> bool {
     matches!(next, Some(Order::Keep(..) | Order::Clear | Order::Finish))
 }

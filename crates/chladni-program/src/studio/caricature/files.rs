@@ -30,7 +30,7 @@ use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::{MESHES, PROJECT, is_project, opened_together};
-use crate::work::{Error, file_hash, layer_against};
+use crate::work::{Error, file_hash, layer_against, shown_name};
 
 impl CaricatureRoom {
     /// Asks for meshes or a project and opens them.
@@ -145,7 +145,7 @@ impl CaricatureRoom {
         self.unasked &= self.session.is_some();
         self.templates = std::mem::take(&mut candidate.templates);
         let label = match &candidate.project.shape {
-            ShapeSource::File(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            ShapeSource::File(path) => shown_name(path).into_owned(),
             sample @ ShapeSource::Sample(_) => sample.to_string(),
         };
         let label = format!("Opening {label}");

@@ -187,28 +187,22 @@ impl LayerList {
     fn menu(&mut self, ui: &mut Ui, project: &Project, id: LayerId, layer: &Layer, edits: &mut Edits) {
         let place = project.layers().iter().position(|(known, _)| *known == id).unwrap_or(0);
         let top = project.layers().len().saturating_sub(1);
-        if ui.button(icon::label(Icon::Pencil, "Rename")).author_id("rename").clicked() {
+        let rename = context_menu::entry(ui, true, icon::label(Icon::Pencil, "Rename"));
+        if rename.author_id("rename").clicked() {
             self.rename(id, layer);
-            ui.close();
         }
-        if ui.button(icon::label(Icon::Copy, "Duplicate")).clicked() {
+        if context_menu::entry(ui, true, icon::label(Icon::Copy, "Duplicate")).clicked() {
             edits.once(Action::Duplicate(id));
-            ui.close();
         }
-        let up = egui::Button::new(icon::label(Icon::ArrowUp, "Move up"));
-        if ui.add_enabled(place < top, up).clicked() {
+        if context_menu::entry(ui, place < top, icon::label(Icon::ArrowUp, "Move up")).clicked() {
             edits.once(Action::Move { layer: id, index: place + 1 });
-            ui.close();
         }
-        let down = egui::Button::new(icon::label(Icon::ArrowDown, "Move down"));
-        if ui.add_enabled(place > 0, down).clicked() {
+        if context_menu::entry(ui, place > 0, icon::label(Icon::ArrowDown, "Move down")).clicked() {
             edits.once(Action::Move { layer: id, index: place - 1 });
-            ui.close();
         }
         ui.separator();
-        if ui.button(icon::label(Icon::Trash2, "Delete")).clicked() {
+        if context_menu::entry(ui, true, icon::label(Icon::Trash2, "Delete")).clicked() {
             edits.once(Action::Remove(id));
-            ui.close();
         }
     }
 

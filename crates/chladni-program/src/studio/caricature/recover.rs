@@ -7,6 +7,7 @@ use crate::studio::age::changed_ago;
 use crate::studio::author_id::AuthorId;
 use crate::studio::room::Shared;
 use crate::studio::theme;
+use crate::work::shown_name;
 
 /// Recovery copies found when the window opened.
 #[derive(Default)]
@@ -94,8 +95,7 @@ fn name(recovered: &Recovered) -> String {
         (Some(path), _) | (None, ShapeSource::File(path)) => path,
         (None, ShapeSource::Sample(name)) => return format!("Sample {name}, never saved"),
     };
-    let file_name =
-        file.file_name().map_or_else(|| file.display().to_string(), |n| n.to_string_lossy().into_owned());
+    let file_name = shown_name(file).into_owned();
     match recovered.original {
         Some(_) => file_name,
         None => format!("{file_name}, never saved"),

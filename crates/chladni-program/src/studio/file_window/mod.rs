@@ -18,7 +18,7 @@ use winit::window::Window;
 
 pub use browser::{Purpose, Request};
 
-use super::device::graphics_window;
+use super::device;
 use super::error::StudioError;
 use super::fitting::Fitting;
 use super::focus;
@@ -28,7 +28,6 @@ use super::processor_window::{self, Program};
 use super::settings::Settings;
 use super::theme;
 use crate::studio::author_id::AuthorId;
-use crate::work::system_fonts;
 use browser::{Browser, Entry, MAX_ENTRIES, Verdict};
 
 /// The name of the command that opens the window; see `ask`.
@@ -68,14 +67,9 @@ pub fn open(request: Request, draw: Draw) -> Result<Vec<PathBuf>, StudioError> {
         processor_window::open(viewport, create)?;
         return Ok(answer.take());
     }
-    eframe::run_native(
-        "chladni-files",
-        graphics_window(viewport),
-        Box::new(move |creation| {
-            creation.egui_ctx.add_font_provider(system_fonts());
-            Ok(Box::new(FileWindow::new(&creation.egui_ctx, request, &settings, given)))
-        }),
-    )?;
+    device::open("chladni-files", viewport, move |creation| {
+        Ok(Box::new(FileWindow::new(&creation.egui_ctx, request, &settings, given)))
+    })?;
     Ok(answer.take())
 }
 

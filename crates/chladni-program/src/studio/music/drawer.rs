@@ -1,11 +1,12 @@
 //! The drawer at the right of the room, and its content.
 
-use chladni_music::{Action, Looks};
+use chladni_music::Action;
 use egui::{RichText, ScrollArea, Ui};
 
 use super::concert::Concert;
 use super::harmonics::CELLS;
 use super::listening::Listening;
+use super::preferences::with_lasting;
 use super::remote::Remote;
 use super::shelf::Shelf;
 use super::songs::{self, Devices};
@@ -89,15 +90,8 @@ impl Drawers {
                 let shape = (concert.standing(), concert.has_own_colors());
                 look::show(ui, shared, shape, &mut self.adjusts, wishes);
                 let now = shared.settings.music.looks();
-                // These stay under any look.
-                let lasting = |looks: Looks| Looks {
-                    picture: now.picture.clone(),
-                    panorama: now.panorama.clone(),
-                    without: now.without.clone(),
-                    ..looks
-                };
-                if now == lasting(seen) {
-                    shared.settings.music.look_like(&lasting(of_show));
+                if now == with_lasting(seen, &now) {
+                    shared.settings.music.look_like(&with_lasting(of_show, &now));
                 } else if instrument.look().is_some() {
                     wishes.push(Wish::Do(Action::SetLook { look: String::new() }));
                 }

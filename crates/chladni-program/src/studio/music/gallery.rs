@@ -162,9 +162,8 @@ fn menu(
     let favorite = instrument.is_favorite(item.id);
     context_menu::show(response, |ui| {
         let mut entry = |ui: &mut Ui, mark: Icon, name: &str, wish: Wish| {
-            if ui.button(icon::label(mark, name)).clicked() {
+            if context_menu::entry(ui, true, icon::label(mark, name)).clicked() {
                 wishes.push(wish);
-                ui.close();
             }
         };
         entry(ui, Icon::Presentation, "Put on stage", Wish::Do(Action::PerformGallery { first: index }));

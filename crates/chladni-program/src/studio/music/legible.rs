@@ -1,4 +1,4 @@
-//! Lines of text over a picture, with a dark halo: they are read on any ground.
+//! Lines of text over a picture, with a dark halo, which can be read on any ground.
 
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@ use egui::{RichText, Ui};
 
 use std::path::Path;
 
-use super::preferences::{Camera, CameraSize, Screen};
+use super::preferences::{Camera, CameraSize, Screen, with_lasting};
 use super::wish::{Then, Wish};
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
@@ -21,9 +21,8 @@ use crate::work::OWN_COLORS;
 /// left out stay.
 pub fn seen(instrument: &Instrument, of_show: Looks) -> Looks {
     let Some(look) = instrument.look().filter(|look| Look::named(look).is_some()) else { return of_show };
-    let Looks { picture, panorama, palette, without, .. } = of_show;
-    let palette = if palette == OWN_COLORS { palette } else { String::new() };
-    Looks { look: look.to_owned(), palette, picture, panorama, without, ..Looks::default() }
+    let palette = if of_show.palette == OWN_COLORS { OWN_COLORS.to_owned() } else { String::new() };
+    with_lasting(Looks { look: look.to_owned(), palette, ..Looks::default() }, &of_show)
 }
 
 /// Draws the drawer.

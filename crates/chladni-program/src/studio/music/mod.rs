@@ -43,7 +43,7 @@ mod view;
 mod voices;
 mod wish;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use chladni_music::{Action, Show};
 use chladni_sound::Capture;
@@ -69,7 +69,7 @@ use super::job::Job;
 use super::opening::{Live, SetOutput};
 use super::room::Shared;
 use crate::work::formats;
-use crate::work::{Error, Warning};
+use crate::work::{Error, Warning, shown_name};
 
 /// The room: one body, one gallery, one playlist.
 #[derive(Default)]
@@ -152,7 +152,7 @@ impl MusicRoom {
         if formats::is_project(&path) {
             self.drawers.open = Drawer::Body;
         }
-        let (label, loads) = (opening(&path), path.clone());
+        let (label, loads) = (format!("Opening {}", shown_name(&path)), path.clone());
         let job = Job::start(label, &shared.ctx, move |task| loading::load(&loads, means, task));
         self.loading = Some((path, job));
     }
@@ -261,20 +261,9 @@ impl MusicRoom {
     }
 }
 
-/// The name under which a shape is opened: that of its file, without folders.
-fn opening(path: &Path) -> String {
-    format!("Opening {}", path.file_name().unwrap_or(path.as_os_str()).to_string_lossy())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_shape_is_opened_under_the_name_of_its_file() {
-        assert_eq!(opening(Path::new("/home/ernst/shapes/plate.obj")), "Opening plate.obj");
-        assert_eq!(opening(Path::new("sample:octopus")), "Opening sample:octopus");
-    }
 
     #[test]
     fn it_is_said_that_children_will_be_others_unless_a_show_takes_their_place_unasked() {

@@ -262,14 +262,19 @@ impl Preferences {
     /// Chooses a look by its name. It is a whole: parts that were chosen for another one go. Pictures around the stage are
     /// the user's own, as are the effects that are left out, and both stay.
     pub fn put_on(&mut self, look: String) {
-        let Looks { picture, panorama, without, .. } = self.looks();
-        self.look_like(&Looks { look, picture, panorama, without, ..Looks::default() });
+        self.look_like(&with_lasting(Looks { look, ..Looks::default() }, &self.looks()));
     }
 
     /// The look that those names describe.
     pub fn look(&self) -> Look {
         look_named(&self.looks()).0
     }
+}
+
+/// `looks` with what stays under any look, as `own` has it: pictures around the stage, and the effects that are left out.
+pub fn with_lasting(looks: Looks, own: &Looks) -> Looks {
+    let (picture, panorama, without) = (own.picture.clone(), own.panorama.clone(), own.without.clone());
+    Looks { picture, panorama, without, ..looks }
 }
 
 #[cfg(test)]

@@ -270,9 +270,8 @@ fn preset_row(ui: &mut Ui, path: Option<&Path>, preset: &Preset, wishes: &mut Ve
         response.on_hover_text("It dances while you point at it; a click takes it into the gallery");
     let Some(path) = path else { return };
     context_menu::show(&response, |ui| {
-        if ui.button(icon::label(Icon::Trash2, "Delete from the shelf")).clicked() {
+        if context_menu::entry(ui, true, icon::label(Icon::Trash2, "Delete from the shelf")).clicked() {
             wishes.push(Wish::Discard(path.to_owned()));
-            ui.close();
         }
     });
 }

@@ -228,9 +228,8 @@ fn suggesting(ui: &mut Ui, on: bool, wishes: &mut Vec<Wish>) {
         wishes.push(Wish::Do(Action::Switch { switch: Switch::Suggest, on: !on }));
     }
     context_menu::show(&response, |ui| {
-        if ui.button("Forget what was chosen").clicked() {
+        if context_menu::entry(ui, true, "Forget what was chosen").clicked() {
             wishes.push(Wish::Do(Action::ForgetPreference));
-            ui.close();
         }
     });
 }

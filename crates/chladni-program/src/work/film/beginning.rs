@@ -1,8 +1,8 @@
 //! How a dance begins, and the actions that follow.
 
 use chladni_music::{
-    Action, BreedingError, Dancer, GALLERY_SIZES, GalleryShape, Instrument, LoggedAction, Mapping, Moment,
-    MusicError, Parameter, Preset, SAND_MODE, Show, experiment,
+    Action, BreedingError, Dancer, Form, GALLERY_SIZES, GalleryShape, Instrument, LoggedAction, Mapping,
+    Moment, MusicError, Parameter, Preset, SAND_MODE, Show, experiment,
 };
 
 use crate::work::held::leave_out;
@@ -62,10 +62,8 @@ impl Beginning {
                 if self.keeps_look {
                     show.actions.retain(|line| !matches!(line.action, Action::SetLook { .. }));
                 }
-                if sand {
-                    SAND_MODE.iter().for_each(|change| hold(change, &mut show.actions));
-                }
-                self.changes.iter().for_each(|change| hold(change, &mut show.actions));
+                let held = SAND_MODE.iter().filter(|_| sand).chain(&self.changes);
+                held.for_each(|change| hold(change, &mut show.actions));
                 (show.begin(shape)?, show.actions)
             }
             None => {
@@ -92,14 +90,9 @@ impl Beginning {
     }
 }
 
-/// Warnings of the knobs that `changes` turn in vain, as the form in which `instrument` begins ignores them; none where the
+/// Warnings of the knobs that `changes` turn in vain, as the `form` in which it begins ignores them; none where the
 /// `script` may choose another form. `voices` may listen to the side in any form.
-pub(super) fn in_vain(
-    changes: &[Action],
-    instrument: &Instrument,
-    script: &[LoggedAction],
-    voices: bool,
-) -> Vec<Warning> {
+pub(super) fn in_vain(changes: &[Action], form: Form, script: &[LoggedAction], voices: bool) -> Vec<Warning> {
     let chooses_form = |line: &LoggedAction| match &line.action {
         Action::SetForm { .. } => true,
         Action::Take { preset, .. } => preset.settings.form.is_some(),
@@ -108,7 +101,6 @@ pub(super) fn in_vain(
     if script.iter().any(chooses_form) {
         return Vec::new();
     }
-    let form = instrument.parameters().form;
     let is_turned = |knob: &Parameter| {
         changes.iter().any(|change| matches!(change, Action::Set { parameter, .. } if parameter == knob))
     };
@@ -191,7 +183,7 @@ mod tests {
             let changes: Vec<Action> = changes.iter().copied().cloned().collect();
             let beginning = Beginning { changes: changes.clone(), ..Beginning::default() };
             let (instrument, _) = beginning.begin(&dancer, false).unwrap();
-            let warnings = in_vain(&changes, &instrument, script, voices);
+            let warnings = in_vain(&changes, instrument.parameters().form, script, voices);
             warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
         };
         let said = warned(&[&mu, &mu], &[], false);

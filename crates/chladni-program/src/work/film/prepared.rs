@@ -8,7 +8,7 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::vec3::single;
-use chladni_music::{Action, Ensemble, Instrument, PAPER_MODE};
+use chladni_music::{Ensemble, Instrument, PAPER_MODE};
 use chladni_sound::{WavSample, write_wav};
 use chladni_view::{Film as Reel, FilmFormat, FilmSettings};
 
@@ -22,6 +22,7 @@ use super::titles::Titles;
 use super::{Film, ONE_DANCE, preset_in, sound_beside, sound_in};
 use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
+use crate::work::held::holds_form;
 use crate::work::left_out::left_of_gltf;
 use crate::work::outputs::{earlier_frames, odd_sides};
 use crate::work::{
@@ -82,11 +83,10 @@ impl Prepared {
         let keeps_look = wanted.beginning.keeps_look;
         let held = wanted.beginning.changes.clone();
         let begun = std::mem::take(&mut wanted.beginning).begin(&dancer, is_flat(&rest))?;
-        let holds_form = held.iter().any(|change| matches!(change, Action::SetForm { .. }));
-        if holds_form || !wanted.autopilot {
+        if holds_form(&held) || !wanted.autopilot {
             // Paper mode turns knobs that another form, asked for beside it, may ignore.
             let asked = held.strip_prefix(&PAPER_MODE).unwrap_or(&held);
-            watcher.warn_each(in_vain(asked, &begun.0, &begun.1, !voices.is_empty()));
+            watcher.warn_each(in_vain(asked, begun.0.parameters().form, &begun.1, !voices.is_empty()));
         }
         let box_diagonal = dancer.box_diagonal;
         let voices = voices.into_iter().map(|(_, term)| term).collect();

@@ -79,11 +79,7 @@ fn in_words(favorite: bool, locked: bool, doing: &str) -> String {
 
 /// A line of the menu; true where it was clicked.
 fn wish(ui: &mut Ui, mark: Icon, name: &str) -> bool {
-    let clicked = ui.button(icon::label(mark, name)).clicked();
-    if clicked {
-        ui.close();
-    }
-    clicked
+    context_menu::entry(ui, true, icon::label(mark, name)).clicked()
 }
 
 /// The edge of a cell with its marks; for the marked one also its effect in words.
