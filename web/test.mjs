@@ -33,7 +33,7 @@ const rooms = {
   caricature: [caricature.laptop, caricature.phone],
   tools: [tools.laptop, tools.phone],
   ways: [ways.music, ways.caricature, ways.policy, ways.stopped],
-  access: [access.names, access.translated, access.fullScreen, access.motion, access.large, access.pictures],
+  access: [access.names, access.translated, access.fullScreen, access.motion, access.large, access.inSight, access.pictures],
   models: [models.chosen],
   card: [card.webgpu.pictures, card.webgpu.loss],
   webgl: [card.webgl.pictures, card.webgl.loss, card.webgl.gallery, card.webgl.looks, card.webgl.skin],

@@ -106,7 +106,7 @@ class StoredBasis:
     def analyze(self, signal: ArrayLike, *, progress: _Progress | None = None) -> _Floats: ...
     def synthesize(self, coefficients: ArrayLike, *, progress: _Progress | None = None) -> _Floats: ...
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Match:
     p2p: _Indices
     triangles: _Indices
@@ -122,7 +122,7 @@ class Match:
     strongly_stretched: int
     near_tie: bool
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Symmetry:
     classes: NDArray[np.int8]
     scores: _Floats
@@ -167,8 +167,12 @@ def HKS(evals: ArrayLike, evects: ArrayLike, time_list: ArrayLike, scaled: bool 
 def WKS(
     evals: ArrayLike, evects: ArrayLike, energy_list: ArrayLike, sigma: float, scaled: bool = False
 ) -> _Floats: ...
-def auto_HKS(evals: ArrayLike, evects: ArrayLike, num_T: SupportsIndex, scaled: bool = True) -> _Floats: ...
-def auto_WKS(evals: ArrayLike, evects: ArrayLike, num_E: SupportsIndex, scaled: bool = True) -> _Floats: ...
+def auto_HKS(
+    evals: ArrayLike, evects: ArrayLike, num_T: SupportsIndex, landmarks: ArrayLike | None = None, scaled: bool = True
+) -> _Floats: ...
+def auto_WKS(
+    evals: ArrayLike, evects: ArrayLike, num_E: SupportsIndex, landmarks: ArrayLike | None = None, scaled: bool = True
+) -> _Floats: ...
 def FM_to_p2p(
     FM_12: ArrayLike, evects1: ArrayLike, evects2: ArrayLike, use_adj: bool = False, n_jobs: Any = None
 ) -> _Indices: ...

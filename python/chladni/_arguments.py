@@ -1,6 +1,7 @@
 """Arguments that NumPy is to use, refused with a reason where they are none."""
 
 import operator
+from numbers import Real
 
 import numpy as np
 
@@ -8,11 +9,15 @@ from ._errors import InputError
 
 
 def floats(values, name):
-    """``values`` as an array of numbers."""
+    """``values`` as an array of real numbers."""
     try:
-        return np.asarray(values, dtype=float)
-    except (TypeError, ValueError) as error:
+        array = np.asarray(values)
+        # Python's own numbers, such as fractions, are objects.
+        if array.dtype.kind in "fiub" or all(isinstance(value, Real) for value in array.flat):
+            return array.astype(float, copy=False)
+    except (OverflowError, TypeError, ValueError) as error:
         raise InputError(f"{name} is no array of numbers: {error}") from None
+    raise InputError(f"{name} holds {array.dtype}, where real numbers are needed")
 
 
 def finite(values, name):
@@ -26,9 +31,12 @@ def finite(values, name):
 def number(value, name):
     """``value`` as a number."""
     try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} is {_shown(value)}, where a number is needed") from None
+        # Python would read text, and NumPy drop imaginary parts.
+        if np.asarray(value).dtype.kind in "fiubO":
+            return float(value)
+    except (OverflowError, TypeError, ValueError):
+        pass
+    raise InputError(f"{name} is {_shown(value)}, where a number is needed")
 
 
 def count(value, name, least=1):
@@ -43,5 +51,9 @@ def count(value, name, least=1):
 
 
 def _shown(value):
-    text = repr(value)
-    return text if len(text) <= 60 else f"a long {type(value).__name__}"
+    try:
+        text = repr(value)
+    except ValueError:
+        # A whole number of thousands of digits has no repr.
+        text = ""
+    return text if 0 < len(text) <= 60 else f"a long {type(value).__name__}"

@@ -1,5 +1,7 @@
 """The exceptions, one family: ``except chladni.Error`` catches all of them."""
 
+from errno import ENOENT
+
 
 class Error(Exception):
     """What this package raises; its message says what, where and why."""
@@ -23,6 +25,9 @@ class FileError(Error, OSError):
 
 class MissingFileError(FileError, FileNotFoundError):
     """There is no such file; ``errno`` is ENOENT."""
+
+    # Of the class, since pickles hold the message alone.
+    errno = ENOENT
 
 
 class InternalError(Error, RuntimeError):

@@ -69,10 +69,11 @@ def _sampled(subsample, evects1, evects2):
 
 
 def _dual(A2, evects2):
+    """A2ᵀ evects2, the transpose of which is applied."""
     if A2 is None:
         return None
-    areas = A2 if scipy.sparse.issparse(A2) else floats(A2, "A2")
+    areas = A2 if scipy.sparse.issparse(A2) and A2.ndim == 2 else floats(A2, "A2")
     evects2 = floats(evects2, "evects2")
     if areas.ndim not in (1, 2) or evects2.ndim != 2 or areas.shape != (len(evects2),) * areas.ndim:
         raise InputError(f"A2 has the shape {areas.shape}, evects2 {evects2.shape}: they do not belong together")
-    return areas[:, None] * evects2 if areas.ndim == 1 else areas @ evects2
+    return areas[:, None] * evects2 if areas.ndim == 1 else areas.T @ evects2

@@ -25,7 +25,7 @@ class MeshHeatMethodDistanceSolver:
         return self._solver.distances(v_ind)
 
     def compute_distance_multisource(self, v_inds):
-        """(n,) distances from the nearest of the vertices ``v_inds``."""
+        """(n,) distances from the nearest of the vertices ``v_inds``, each of which may itself have a part of an edge."""
         return self._solver.distances(v_inds)
 
 

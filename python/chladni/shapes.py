@@ -1,6 +1,5 @@
 """Bases of meshes, and what is made with them: matches, caricatures, symmetry classes."""
 
-import errno
 import os
 from dataclasses import dataclass
 
@@ -53,7 +52,9 @@ class Basis(_chladni.Basis):
         return super().__new__(cls, V, F, k, whole_clusters, threads, progress, *on_ranks, boundary, None, False)
 
     def __reduce__(self):
-        return _basis_of, (type(self), *self.parts())
+        # A subclass may have attributes of its own.
+        own = getattr(self, "__dict__", None) or None
+        return _basis_of, (type(self), *self.parts()), own
 
 
 def _basis_of(kind, V, F, solved):
@@ -66,7 +67,7 @@ def _certificate(*parts):
     return _chladni.restored_certificate(parts)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Match:
     """For each vertex of shape 1 a point of shape 2."""
 
@@ -135,7 +136,7 @@ def caricature(
     return _chladni.caricature(basis, template, mu, model, landmarks, method, seed, progress)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Symmetry:
     """What the mirror plane of a shape does to its harmonics."""
 
@@ -165,9 +166,7 @@ def read_mesh(path):
         name = os.fsdecode(path)
         if name.startswith("sample:") or not _is_missing(name):
             raise
-        missing = MissingFileError(str(error))
-    missing.errno = errno.ENOENT
-    raise missing
+        raise MissingFileError(str(error)) from None
 
 
 def _is_missing(name):

@@ -1,7 +1,5 @@
 """Laplacians of meshes, and the smallest eigenpairs of sparse matrices."""
 
-from numbers import Real
-
 import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
@@ -128,11 +126,10 @@ def eigsh(
     """
     if mode != "normal":
         raise InputError(f"mode is {mode!r}: only 'normal' is solved")
-    if not (sigma is None or isinstance(sigma, Real)):
-        raise InputError(f"sigma is {sigma!r}, where a number is needed")
     if sigma is None:
         smallest, asked, hint = which in ("SM", "SA"), "", "write sigma=0, or which='SM'"
     else:
+        sigma = number(sigma, "sigma")
         # The largest 1 / (λ - sigma) are of the smallest λ, where none is below sigma.
         smallest = which == "LM" or (which == "LA" and sigma <= 0)
         asked, hint = f" with sigma={sigma!r}", "write which='LM' with it, or leave sigma out and write which='SM'"
@@ -182,16 +179,13 @@ def _columns(matrix, name):
     """(n, starts, rows, values) of compressed columns; values in any order."""
     if isinstance(matrix, scipy.sparse.linalg.LinearOperator):
         raise InputError(f"{name} is a LinearOperator, which can only be applied: its entries are needed to factor it")
-    if scipy.sparse.issparse(matrix):
-        columns = matrix.tocsc()
-    else:
-        try:
-            dense = np.asarray(matrix)
-            columns = scipy.sparse.csc_matrix(dense) if dense.ndim == 2 else None
-        except (TypeError, ValueError) as error:
-            raise InputError(f"{name} is no matrix: {error}") from None
-        if columns is None:
-            raise InputError(f"{name} has {dense.ndim} dimensions, where a matrix is needed")
+    try:
+        given = matrix if scipy.sparse.issparse(matrix) else np.asarray(matrix)
+        columns = scipy.sparse.csc_matrix(given) if given.ndim == 2 else None
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is no matrix: {error}") from None
+    if columns is None:
+        raise InputError(f"{name} has {given.ndim} dimensions, where a matrix is needed")
     if columns.shape[0] != columns.shape[1]:
         raise InputError(f"{name} has the shape {columns.shape}, where a square matrix is needed")
     return columns.shape[0], columns.indptr, columns.indices, columns.data

@@ -235,12 +235,12 @@ pub fn give_rows<const C: usize, T: numpy::Element + Copy>(
     PyArray1::from_vec(py, rows.into_flattened()).reshape([n, C])
 }
 
-/// Warns in Python that a result is not quite as it was asked for.
-pub fn warn(py: Python<'_>, warnings: &[String]) -> PyResult<()> {
+/// Warns in Python that a result is not quite as it was asked for, at the line of the user's call: `level` 2 where a
+/// function of `chladni` that the user calls is the one that calls this, 3 where one more is between them.
+pub fn warn(py: Python<'_>, warnings: &[String], level: usize) -> PyResult<()> {
     let category = py.import("chladni._errors")?.getattr("ChladniWarning")?;
     for text in warnings {
-        // The caller's line: above this are the call in `chladni` and the user's.
-        py.import("warnings")?.call_method1("warn", (text, &category, 2))?;
+        py.import("warnings")?.call_method1("warn", (text, &category, level))?;
     }
     Ok(())
 }

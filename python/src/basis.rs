@@ -15,8 +15,8 @@ use crate::failure::{Failure, InputError};
 use crate::work;
 
 /// How far eigenpairs can be trusted.
-#[pyclass(frozen, module = "chladni")]
-#[derive(Clone)]
+#[pyclass(frozen, eq, module = "chladni")]
+#[derive(Clone, PartialEq)]
 pub struct Certificate(pub harmonics::Certificate);
 
 #[pymethods]
@@ -42,10 +42,12 @@ impl Certificate {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, CertificateParts)> {
-        let is_delaunay = self.0.laplacian == Laplacian::Delaunay;
-        let (residual, orthogonality) = (self.0.max_relative_residual, self.0.max_orthogonality_error);
-        let parts = (is_delaunay, self.0.inertia_counts_match, residual, orthogonality);
-        Ok((py.import("chladni.shapes")?.getattr("_certificate")?, parts))
+        Ok((py.import("chladni.shapes")?.getattr("_certificate")?, self.parts()))
+    }
+
+    /// Python takes the hash away from what has an equality of its own.
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        self.parts().into_pyobject(py)?.hash()
     }
 
     fn __repr__(&self) -> String {
@@ -59,6 +61,14 @@ impl Certificate {
              max_orthogonality_error={:.1e})",
             self.0.max_relative_residual, self.0.max_orthogonality_error
         )
+    }
+}
+
+impl Certificate {
+    fn parts(&self) -> CertificateParts {
+        let is_delaunay = self.0.laplacian == Laplacian::Delaunay;
+        let (residual, orthogonality) = (self.0.max_relative_residual, self.0.max_orthogonality_error);
+        (is_delaunay, self.0.inertia_counts_match, residual, orthogonality)
     }
 }
 
@@ -76,13 +86,18 @@ pub fn restored_certificate(parts: CertificateParts) -> Certificate {
     })
 }
 
-/// Warns where a solve is not quite as asked for.
-pub fn warn_of(py: Python<'_>, report: &BuildReport, certificate: &harmonics::Certificate) -> PyResult<()> {
+/// Warns where a solve is not quite as asked for; `level` as in [`arrays::warn`].
+pub fn warn_of(
+    py: Python<'_>,
+    report: &BuildReport,
+    certificate: &harmonics::Certificate,
+    level: usize,
+) -> PyResult<()> {
     let mut warnings: Vec<String> = report.warnings(certificate).iter().map(ToString::to_string).collect();
     if report.fell_back_to_dense {
         warnings.push("could not be certified in slices and was solved as a dense matrix".into());
     }
-    arrays::warn(py, &warnings)
+    arrays::warn(py, &warnings, level)
 }
 
 /// See `chladni.Basis`.
@@ -160,14 +175,16 @@ impl Basis {
                 }
             })
         })?;
-        warn_of(py, &report, &body.basis.certificate)?;
+        // Only `chladni.shapes._basis` may cut a group, and the user's line is one call above it.
+        let level = if may_cut { 3 } else { 2 };
+        warn_of(py, &report, &body.basis.certificate, level)?;
         if report.cuts_cluster && !whole_clusters && !may_cut {
             let last = body.basis.harmonics().saturating_sub(1);
             let warning = format!(
                 "harmonic {last} belongs to a group of equal eigenvalues that goes on; \
                  Basis(…, whole_clusters=True) takes all of it"
             );
-            arrays::warn(py, &[warning])?;
+            arrays::warn(py, &[warning], level)?;
         }
         let (frame, positions, triangles) = (body.frame, body.positions.clone(), body.triangles.clone());
         let operator_vertex = body.operator_vertex.clone();

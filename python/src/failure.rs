@@ -45,18 +45,6 @@ impl From<Failure> for PyErr {
     }
 }
 
-/// The exception for a file that is not there, with the system's number for it.
-pub fn missing(py: Python<'_>, reason: &str) -> PyErr {
-    let error = MissingFileError::new_err(reason.to_owned());
-    match error.value(py).setattr("errno", ENOENT) {
-        Ok(()) => error,
-        Err(other) => other,
-    }
-}
-
-/// The same on every system that Python runs on.
-const ENOENT: i32 = 2;
-
 impl From<HarmonicsError> for Failure {
     fn from(error: HarmonicsError) -> Self {
         match error {

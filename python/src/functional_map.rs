@@ -35,7 +35,7 @@ fn map_of(object: &Bound<'_, PyAny>) -> PyResult<FunctionalMap> {
 
 fn dual_of(object: Option<&Bound<'_, PyAny>>, target: &Columns) -> PyResult<Option<Vec<f64>>> {
     let Some(object) = object else { return Ok(None) };
-    let dual = Columns::of(object, "A2 @ evects2")?;
+    let dual = Columns::of(object, "A2.T @ evects2")?;
     if dual.vertices != target.vertices || dual.values.len() != target.values.len() {
         return Err(InputError::new_err("A2 does not have a row for each of the rows of evects2"));
     }
@@ -58,7 +58,7 @@ pub fn fm_to_p2p<'py>(
     Ok(give(py, points.into_iter().map(i64::from).collect()))
 }
 
-/// See `chladni.p2p_to_FM`; `dual` is A2 @ evects2.
+/// See `chladni.p2p_to_FM`; `dual` is A2ᵀ evects2.
 #[pyfunction]
 pub fn p2p_to_fm<'py>(
     py: Python<'py>,
@@ -77,7 +77,7 @@ pub fn p2p_to_fm<'py>(
     give_matrix(py, map.values, [map.rows, map.columns])
 }
 
-/// See `chladni.zoomout_refine`; `dual` is A2 @ evects2, `step` (of the source, of the target).
+/// See `chladni.zoomout_refine`; `dual` is A2ᵀ evects2, `step` (of the source, of the target).
 #[pyfunction]
 pub fn zoomout<'py>(
     py: Python<'py>,

@@ -88,7 +88,7 @@ pub fn caricature<'py>(
         }
         Ok((evaluation.file_positions(&body, &mesh.positions), warnings))
     })?;
-    arrays::warn(py, &moved.1)?;
+    arrays::warn(py, &moved.1, 2)?;
     give_rows(py, moved.0)
 }
 
@@ -132,7 +132,7 @@ pub fn read_mesh<'py>(py: Python<'py>, path: &Bound<'py, PyAny>) -> PyResult<Arr
     let source = ShapeSource::named(&path);
     let Loaded { mesh, mended, .. } = work::run(py, None, |_| Ok(source.load(None)?))?;
     let mended: Vec<String> = mended.iter().map(|mended| format!("{}: {mended}", path.display())).collect();
-    arrays::warn(py, &mended)?;
+    arrays::warn(py, &mended, 2)?;
     let triangles = mesh.triangles.iter().map(|t| t.map(i64::from)).collect();
     Ok((give_rows(py, mesh.positions)?, give_rows(py, triangles)?))
 }

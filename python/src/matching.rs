@@ -100,6 +100,6 @@ pub fn match_meshes<'py>(
     out.set_item("flipped_triangles", report.flipped_triangles)?;
     out.set_item("strongly_stretched", report.strongly_stretched)?;
     out.set_item("near_tie", report.near_tie)?;
-    arrays::warn(py, &report.warnings)?;
+    arrays::warn(py, &report.warnings, 2)?;
     Ok(out)
 }

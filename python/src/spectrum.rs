@@ -101,7 +101,7 @@ pub fn eigsh<'py>(
             }
         })
     })?;
-    warn_of(py, &report, &pairs.certificate)?;
+    warn_of(py, &report, &pairs.certificate, 2)?;
     let shape = [n, pairs.eigenvalues.len()];
     let vectors = give_matrix(py, pairs.vectors, shape)?;
     Ok((give(py, pairs.eigenvalues), vectors, Certificate(pairs.certificate)))

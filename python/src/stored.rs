@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 
 use crate::arrays::{self, give, give_matrix};
-use crate::failure::{Failure, InputError, missing};
+use crate::failure::{Failure, InputError, MissingFileError};
 use crate::work;
 
 /// A basis in a folder that ``chladni basis -o DIR/`` wrote, of which a few MiB are in memory at a time.
@@ -33,7 +33,9 @@ impl StoredBasis {
         let folder = std::path::absolute(arrays::path(folder, "folder")?)
             .map_err(|error| InputError::new_err(format!("folder: {error}")))?;
         let stored = npz::StoredBasis::open(&folder).map_err(|error| match &error {
-            HarmonicsError::Stored { path, .. } if is_missing(path) => missing(py, &error.to_string()),
+            HarmonicsError::Stored { path, .. } if is_missing(path) => {
+                MissingFileError::new_err(error.to_string())
+            }
             _ => Failure::from(error).into(),
         })?;
         let eigenvalues = give(py, stored.eigenvalues().to_vec()).unbind();

@@ -27,13 +27,19 @@ pub fn run<T: Send>(
     let (done, waiting) = (AtomicBool::new(false), std::thread::current());
     let mut stopped = None;
     let finished = std::thread::scope(|scope| {
-        let worker = scope.spawn(|| {
+        let worker = std::thread::Builder::new().spawn_scoped(scope, || {
             let _done = OnDrop(|| {
                 done.store(true, Ordering::Release);
                 waiting.unpark();
             });
             work(&task)
         });
+        let worker = match worker {
+            Ok(worker) => worker,
+            Err(error) => {
+                return Ok(Err(Failure::Internal(format!("no thread could be started: {error}"))));
+            }
+        };
         let mut seen = Progress::default();
         while !done.load(Ordering::Acquire) {
             py.detach(|| std::thread::park_timeout(LOOK));

@@ -103,6 +103,25 @@ def test_a_basis_can_be_pickled_and_copied(ball):
         chladni.caricature(held)
 
 
+class Named(chladni.Basis):
+    """One with an attribute."""
+
+
+def test_what_a_subclass_has_besides_is_copied_too(ball):
+    basis = Named(*ball, 4)
+    basis.name = "ball"
+    for again in (pickle.loads(pickle.dumps(basis)), copy.copy(basis), copy.deepcopy(basis)):
+        assert type(again) is Named and again.name == "ball"
+        assert (again.eigenvectors == basis.eigenvectors).all()
+
+
+def test_certificates_are_compared_by_their_values(ball):
+    certificate = chladni.Basis(*ball, 4).certificate
+    again = pickle.loads(pickle.dumps(certificate))
+    assert again == certificate and hash(again) == hash(certificate)
+    assert certificate != chladni.Basis(*ball, 9).certificate and certificate != 1
+
+
 def test_what_is_no_mesh_is_refused(ball):
     V, F = ball
     holed = V.copy()

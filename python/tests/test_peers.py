@@ -142,6 +142,9 @@ def test_pyfm_has_its_own_signatures_maps_and_zoomout(pebble, monkeypatch):
         assert np.allclose(mine, getattr(pyFM.signatures, f"mesh_{name}")(theirs, 20), rtol=1e-5, atol=1e-8)
         auto = getattr(chladni, f"auto_{name}")(one.eigenvalues, one.eigenvectors, 20)
         assert np.allclose(auto, mine, rtol=1e-9)
+        led = getattr(pyFM.signatures, f"mesh_{name}")(one, 20, landmarks=[5, 300])
+        auto = getattr(chladni, f"auto_{name}")(one.eigenvalues, one.eigenvectors, 20, [5, 300])
+        assert np.allclose(auto, led, rtol=1e-9, atol=1e-12)
     # ZoomOut from four functions: theirs, on our basis, and ours.
     start = pyFM.spectral.p2p_to_FM(order, one.eigenvectors[:, :4], two.eigenvectors[:, :4], A2=two.A)
     arguments = (start, one.eigenvectors, two.eigenvectors)

@@ -1,8 +1,11 @@
 """Geodesics, matches, caricatures, symmetry and files."""
 
+import copy
 import errno
 import os
+import pickle
 import warnings
+from pathlib import Path
 
 import chladni
 import numpy as np
@@ -120,6 +123,28 @@ def test_what_a_cut_does_not_matter_to_leaves_the_warnings_of_other_threads_alon
             assert chladni.symmetry(*ball, k=3).classes.shape == (3,)
 
 
+def test_results_with_arrays_can_be_compared_and_are_themselves(pebble):
+    V, F = pebble
+    for found in (chladni.match(V, F, V, F, method="same"), chladni.symmetry(V, F, k=4)):
+        assert found == found and found != copy.deepcopy(found)
+        assert found in {found}
+
+
+def test_warnings_name_the_line_of_the_call():
+    # Three vertices in two places each: less harmonics than are asked for.
+    V = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], [1, 0, 0], [0, 0, 1]]
+    F = [[0, 1, 2], [3, 4, 5]]
+    calls = [
+        lambda: chladni.Basis(V, F, 6),
+        lambda: chladni.symmetry(V, F, k=6),
+        lambda: chladni.caricature(V, F, k=6),
+    ]
+    for call in calls:
+        with pytest.warns(chladni.ChladniWarning, match="4 harmonics instead of 6") as caught:
+            call()
+        assert [Path(warning.filename).name for warning in caught] == [Path(__file__).name]
+
+
 def test_meshes_come_back_from_their_files(tmp_path, pebble):
     V, F = pebble
     for name in ("a.obj", "a.ply"):
@@ -131,6 +156,8 @@ def test_meshes_come_back_from_their_files(tmp_path, pebble):
     with pytest.raises(FileNotFoundError) as missing:
         chladni.read_mesh(tmp_path / "missing.obj")
     assert isinstance(missing.value, chladni.FileError) and missing.value.errno == errno.ENOENT
+    again = pickle.loads(pickle.dumps(missing.value))
+    assert again.errno == errno.ENOENT and str(again) == str(missing.value)
     if os.name == "posix":
         # A link that leads to itself is there, and cannot be read.
         (tmp_path / "loop.obj").symlink_to("loop.obj")

@@ -1,5 +1,7 @@
 """Signatures and functional maps against their definitions."""
 
+from fractions import Fraction
+
 import chladni
 import numpy as np
 import pytest
@@ -26,6 +28,53 @@ def test_signatures_are_the_sums_that_they_stand_for(basis):
     for bad in (lambda: chladni.HKS(w, h[:, :5], times), lambda: chladni.WKS(w, h, energies, 0)):
         with pytest.raises(chladni.InputError):
             bad()
+
+
+def test_landmarks_have_signatures_of_their_own(basis):
+    w, h = basis.eigenvalues, basis.eigenvectors
+    low, high = 4 * np.log(10) / w[-1], 4 * np.log(10) / w[1]
+    heat = np.exp(-np.outer(np.geomspace(low, high, 3), w))
+    sigma = 7 * np.log(w[-1] / w[1]) / 3
+    energies = np.linspace(np.log(w[1]) + 2 * sigma, np.log(w[-1]) - 2 * sigma, 3)
+    waves = np.exp(-((energies[:, None] - np.log(w[1:])) ** 2) / (2 * sigma**2))
+    for signature, weights, vectors in ((chladni.auto_HKS, heat, h), (chladni.auto_WKS, waves, h[:, 1:])):
+        exact = np.stack([vectors @ (t * vectors[v]) for v in (7, 100) for t in weights], axis=1)
+        assert np.allclose(signature(w, h, 3, [7, 100], False), exact)
+        scale = np.tile(weights.sum(axis=1), 2)
+        assert np.allclose(signature(w, h, 3, [7, 100]), exact / scale)
+        assert np.allclose(signature(w, h, 3, 7, scaled=False), exact[:, :3])
+        assert signature(w, h, 3, []).shape == (642, 0)
+        # A vertex that is its own landmark has the signature without any.
+        assert np.allclose(signature(w, h, 3, [7])[7], signature(w, h, 3)[7])
+        for bad in ([642], [-1], [0.0], False, "a", [[1]], [[1], [2, 3]]):
+            with pytest.raises(chladni.InputError, match="landmarks"):
+                signature(w, h, 3, bad)
+
+
+def test_only_real_numbers_are_numbers(basis):
+    w, h = basis.eigenvalues, basis.eigenvectors
+    refused = [
+        (w, h * 1j, [0.1]),
+        (w.astype("U"), h, [0.1]),
+        (w, h, np.array(["2020-01-01"], "M8[D]")),
+        (w, h, [0.1, "0.2"]),
+        (w, h, [None]),
+        (w, h, [1 + 2j]),
+    ]
+    for arguments in refused:
+        with pytest.raises(chladni.InputError, match="where real numbers are needed"):
+            chladni.HKS(*arguments)
+    with pytest.raises(chladni.InputError, match="no array of numbers"):
+        chladni.HKS(w, h, [[0.1], [0.2, 0.3]])
+    with pytest.raises(chladni.InputError, match="time_list"):
+        chladni.HKS(w, h, [10**400])
+    assert (chladni.HKS(w, h, [Fraction(1, 2)]) == chladni.HKS(w, h, [0.5])).all()
+    for sigma in ("0.3", 0.3 + 1j, np.complex128(0.3), np.datetime64(1, "s"), 10**400, 10**5000):
+        with pytest.raises(chladni.InputError, match="sigma is .* where a number is needed"):
+            chladni.WKS(w, h, [0.5], sigma)
+    for areas in (np.eye(len(h)) * 1j, scipy.sparse.identity(len(h)) * 1j):
+        with pytest.raises(chladni.InputError, match="complex128, where real numbers are needed"):
+            chladni.p2p_to_FM(np.arange(len(h)), h, h, areas)
 
 
 def test_the_order_of_the_pairs_does_not_matter(basis):
@@ -88,6 +137,10 @@ def test_the_nearest_row_is_found(basis):
     a, b = a[:300, :8], b[:200, :6]
     p2p = rng.integers(0, 300, 200)
     assert np.allclose(chladni.p2p_to_FM(p2p, a, b), np.linalg.lstsq(b, a[p2p], rcond=None)[0])
+    # Areas need not be symmetric.
+    areas = rng.normal(size=(200, 200))
+    for given in (areas, scipy.sparse.csr_matrix(areas)):
+        assert np.allclose(chladni.p2p_to_FM(p2p, a, b, given), b.T @ areas @ a[p2p])
 
 
 def test_what_does_not_fit_is_refused(basis):
@@ -102,6 +155,7 @@ def test_what_does_not_fit_is_refused(basis):
         lambda: chladni.p2p_to_FM(np.arange(n) + 1, h, h),
         lambda: chladni.p2p_to_FM(np.arange(n - 1), h, h),
         lambda: chladni.p2p_to_FM(np.arange(n), h, h, np.ones(n - 1)),
+        lambda: chladni.p2p_to_FM(np.arange(n), h, h, scipy.sparse.coo_array(np.ones(n))),
         lambda: chladni.p2p_to_FM(scipy.sparse.identity(n), h, h),
         lambda: chladni.p2p_to_FM(np.arange(5), h, h[:5]),
         lambda: chladni.zoomout_refine(np.eye(30), h, h, nit=11),

@@ -3,6 +3,8 @@
 import os
 import pickle
 import signal
+import subprocess
+import sys
 import threading
 
 import chladni
@@ -121,6 +123,20 @@ def test_arguments_of_a_wrong_type_are_refused_in_a_line(call):
     with pytest.raises(chladni.InputError) as error:
         call()
     assert 10 < len(str(error.value)) < 250 and "\n" not in str(error.value)
+
+
+def test_where_no_thread_can_be_started_is_an_error():
+    # More than any address space has.
+    code = """
+import chladni
+try:
+    chladni.mesh_laplacian([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+except chladni.InternalError as error:
+    print(error)
+"""
+    environment = os.environ | {"RUST_MIN_STACK": str(2**60)}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert "no thread could be started" in run.stdout
 
 
 def test_exceptions_are_one_family():

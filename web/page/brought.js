@@ -63,11 +63,12 @@ function refuseNamesakes(name, paths) {
 }
 
 /** Opens the text of a project, once its shape is there. What it names of the meshes `beside` it, by their names, it takes
- * out of them; they come before others of their names. */
-export async function openProject(name, bytes, beside = new Map()) {
+ * out of them; they come before others of their names. One that can be read calls `enter()`. */
+export async function openProject(name, bytes, beside = new Map(), enter = () => {}) {
   const text = new TextDecoder().decode(bytes);
   const needs = JSON.parse(needs_of_project(name, text));
   refuseNamesakes(name, [needs.shape, ...needs.templates]);
+  enter();
   const shapeName = base(needs.shape);
   const brought = needs.file ? beside.get(shapeName) ?? files.get(shapeName) : undefined;
   if (needs.file && !brought) {

@@ -402,10 +402,10 @@ function empty(isSo) {
   for (const id of ["undo", "redo", "save-project"]) of(id).inert = isSo;
 }
 
-/** A mask was brought. */
-export async function takeMask(name, bytes) {
+/** A mask was brought; `enter()` shows the room for one that can be used. */
+export async function takeMask(name, bytes, enter) {
   if (!sitting) throw new Error(`${name}: a mask is the region of a layer: choose a shape first, or open one.`);
-  return exports.takeMask(name, bytes);
+  return exports.takeMask(name, bytes, enter);
 }
 
 /** The sample head, compared with a plain one. */

@@ -18,9 +18,10 @@ async function savePicture() {
 
 const drawn = (format) => busy("the drawing", () => inkFile(room.sitting(), format, of("tones").checked, ...size()));
 
-/** A mask was brought: the region of the chosen layer. */
-export async function takeMask(name, bytes) {
+/** A mask was brought: the region of the chosen layer. One that can be used calls `enter()`. */
+export async function takeMask(name, bytes, enter = () => {}) {
   room.sitting().open_mask(name, bytes);
+  enter();
   await room.changed();
   say(`${name} is the region of the chosen layer.`);
 }

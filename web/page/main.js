@@ -18,6 +18,8 @@ report.view = () => (isIn("caricature") ? caricature : music).view();
 /** Shows a room. The browser's Back leads from it to the front: one entry of its history stands for all visits. */
 function showRoom(view) {
   if (!history.state?.inRoom) history.pushState({ inRoom: true }, "");
+  // Full screen shows the picture alone in the music room only.
+  if (view !== "music") delete dataset.bare;
   dataset.view = view;
 }
 
@@ -45,19 +47,20 @@ function enterCaricature() {
   caricature.open();
 }
 
-/** Opens what was brought where it belongs; `beside` it, by their names, are meshes that a project may need. Shapes are
- * solved and matched after that, so that the files behind one do not wait. */
+/** Opens what was brought where it belongs; `beside` it, by their names, are meshes that a project may need. Projects and
+ * masks that cannot be used change no room. Shapes are solved and matched after that, so that the files behind one do
+ * not wait. */
 async function take(name, bytes, beside) {
   switch (/\.np[yz]$/i.test(name) ? "mask" : kind(name)) {
     case "text": await enterMusic(); return music.openText(name, bytes);
-    case "project": enterCaricature(); return caricature.openProject(name, bytes, beside);
+    case "project": await caricature.openProject(name, bytes, beside, enterCaricature); return true;
     case "mesh":
       if (caricature.waitsFor(name)) enterCaricature();
       if (isIn("caricature")) return caricature.takeMesh(name, bytes);
       await enterMusic();
       attemptOf(name, () => music.openMesh(name, bytes));
       return undefined;
-    case "mask": enterCaricature(); return caricature.takeMask(name, bytes);
+    case "mask": return caricature.takeMask(name, bytes, enterCaricature);
     default: throw new Error(`${name}: the page opens meshes, songs and lists of them, shows, dances, projects and masks.`);
   }
 }
@@ -82,12 +85,15 @@ const open = attempt(async (brought) => {
   const [songs, lists] = ["song", "list"].map((wanted) => files.filter(({ name }) => kind(name) === wanted));
   const beside = await meshesBesideProjects(files);
   const came = new Set(beside.keys());
+  let isRefused = false;
   for (const file of files.toSorted((a, b) => order(a) - order(b))) {
-    const isTaken = came.has(file.name) && !beside.has(file.name);
+    // The meshes that came with a project which cannot be used were meant for it.
+    const isTaken = came.has(file.name) && (isRefused || !beside.has(file.name));
     if ([...songs, ...lists].includes(file) || isTaken) continue;
     // It may have begun while the files before this one were opened.
     refuseWhileFilmed();
-    await takeFile(file, beside);
+    const isOpen = await takeFile(file, beside);
+    isRefused ||= kind(file.name) === "project" && !isOpen;
   }
   const { inOrder, missing } = await inOrderOf(lists, songs);
   if (inOrder.length) {

@@ -243,7 +243,9 @@ function takeDance(name, text, caution) {
   }
   // The place that the window takes, too.
   const free = state.dances.findLastIndex(({ chosen, locked, favorite }) => !chosen && !locked && !favorite);
-  concert.open_preset(free < 0 ? state.dances.length - 1 : free, text);
+  const place = free < 0 ? state.dances.findLastIndex(({ locked }) => !locked) : free;
+  if (place < 0) return say(`${name}: all dances are locked. Unlock one first.`, true);
+  concert.open_preset(place, text);
   refresh();
   say([`${name}: this dance is in the gallery now.`, caution].filter(Boolean).join(" "), false, caution ? 20 : 8);
 }

@@ -8,7 +8,7 @@ async function fresh(request) {
   if (response.ok && response.type === "basic") {
     const copy = response.clone();
     // What there is no room for, or no cache, is shown, and not kept. What has broken off fails here.
-    await caches.open(CACHE).then((cache) => cache.put(request, copy)).catch(() => response.clone().arrayBuffer());
+    await caches.open(CACHE).then((cache) => cache.put(keyOf(request), copy)).catch(() => response.clone().arrayBuffer());
   }
   return response;
 }
@@ -31,6 +31,13 @@ function isolated(response, destination) {
   return new Response(body, { status, statusText, headers });
 }
 
+/** Under which address an answer is kept: the page is the same with a query or without, with its file's name or without. */
+function keyOf({ url }) {
+  const { scope } = self.registration;
+  const plain = url.replace(/[?#].*$/, "");
+  return [scope, `${scope}index.html`].includes(plain) ? scope : url;
+}
+
 const isOurs = (url) => url.startsWith(self.registration.scope);
 
 self.addEventListener("activate", (event) => event.waitUntil(self.clients.claim()));
@@ -43,7 +50,7 @@ self.addEventListener("fetch", (event) => {
   const { method, url, destination } = event.request;
   if (method !== "GET" || !isOurs(url)) return;
   const found = fresh(event.request).catch(async (gone) => {
-    const kept = await caches.match(event.request, { ignoreVary: true });
+    const kept = await caches.match(keyOf(event.request), { ignoreVary: true });
     if (kept) return kept;
     throw gone;
   });

@@ -57,23 +57,30 @@ addEventListener("error", ({ error }) => { stops(error); });
 
 /** Does it, and says what went wrong. */
 export const attempt = (act) => async (...args) => {
-  try { await act(...args); } catch (error) {
+  try { return await act(...args); } catch (error) {
     // Whoever asked wants something else by now.
     if (!stops(error) && error.name !== "ObsoleteError") say(error.message ?? String(error), true);
+    return undefined;
   }
+};
+
+/** Why a file cannot be read, where a browser's own words help nobody. A folder has no content to be read, either. */
+const UNREADABLE = {
+  NotFoundError: "it was moved or deleted, or is a folder.",
+  NotReadableError: "it has changed since it was chosen, or another program holds it. Open it again.",
 };
 
 /** An error that says which file it is of. */
 export function ofFile(name, error) {
   const why = error.message ?? String(error);
   if (stops(error) || ["AbortError", "ObsoleteError"].includes(error.name) || why.includes(name)) return error;
-  // A folder has no content that could be read, either.
-  return new Error(error.name === "NotFoundError" ? `${name} cannot be read: it was moved or deleted, or is a folder.` : `${name}: ${why}`);
+  const known = UNREADABLE[error.name];
+  return new Error(known ? `${name} cannot be read: ${known}` : `${name}: ${why}`);
 }
 
 /** Does what a file, or a shape of this name, needs, and says of it what went wrong. */
 export const attemptOf = (name, act) => attempt(async () => {
-  try { await act(); } catch (error) { throw ofFile(name, error); }
+  try { return await act(); } catch (error) { throw ofFile(name, error); }
 })();
 
 /** What workers have done, where that is said, and what they have warned of. */

@@ -50,7 +50,9 @@ export class Sound {
     if (this.source) gone = this.heardNow() - this.began;
     else if (this.playing) gone = performance.now() / 1000 - this.silentSince;
     const at = this.from + Math.max(0, gone);
-    return this.source && !this.repeats ? Math.min(at, this.duration) : at % this.duration;
+    // One that was interrupted stays at its end, as one that is heard.
+    const ends = !this.repeats && (this.source || this.isInterrupted);
+    return ends ? Math.min(at, this.duration) : at % this.duration;
   }
 
   /** The context's time of what leaves the loudspeaker now. */
@@ -70,8 +72,7 @@ export class Sound {
     let at = this.position();
     const { pauses } = this;
     soundsAs("playback");
-    this.context ??= new AudioContext();
-    const resumed = this.context.resume();
+    const resumed = this.ensureContext().resume();
     const isRunning = await runs(this.context, resumed);
     if (pauses !== this.pauses) return true;
     if (!isRunning) {
@@ -96,6 +97,7 @@ export class Sound {
   pause() {
     this.pauses++;
     this.from = this.position();
+    this.isInterrupted = false;
     this.stopSource();
     this.playing = false;
   }
@@ -109,6 +111,7 @@ export class Sound {
 
   startSource(at) {
     this.stopSource();
+    this.isInterrupted = false;
     if (!this.buffer) return;
     this.source = this.context.createBufferSource();
     this.source.buffer = this.buffer;
@@ -120,11 +123,35 @@ export class Sound {
     this.source.start(this.began, at);
   }
 
+  /** The context, made where it is asked for first. A change of its state calls `onchange`. */
+  ensureContext() {
+    if (this.context) return this.context;
+    const context = this.context = new AudioContext();
+    context.onstatechange = () => {
+      if (context.state === "running") this.goOnAloud();
+      else if (this.source && context.state !== "closed") this.goOnSilently();
+      this.onchange?.();
+    };
+    return context;
+  }
+
+  /** The system has interrupted the sound, as by a call or for another device. */
+  goOnSilently() {
+    const at = this.position();
+    this.stopSource();
+    this.seek(at);
+    this.isInterrupted = true;
+    this.context.resume().catch(() => {});
+  }
+
+  goOnAloud() {
+    if (this.isInterrupted && this.playing && !this.source) this.play();
+  }
+
   /** What is heard comes through here, so that films hear it, too. */
   outlet() {
     if (this.out) return this.out;
-    this.context ??= new AudioContext();
-    this.out = this.context.createGain();
+    this.out = this.ensureContext().createGain();
     this.loudness = this.context.createGain();
     this.loudness.gain.value = this.volume;
     this.out.connect(this.loudness).connect(this.context.destination);

@@ -62,6 +62,8 @@ const onKey = attempt((event) => {
 
 export function listen(musicRoom) {
   room = musicRoom;
+  // The system may interrupt the sound.
+  room.sound.onchange = attempt(room.refresh);
   on("play", playOrPause);
   addEventListener("keydown", onKey);
   of("seek").addEventListener("input", () => {

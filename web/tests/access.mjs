@@ -1,8 +1,9 @@
 // All that can be used has a name and is reached by the keyboard; less motion is none, and large text can be read.
 import assert from "node:assert/strict";
-import { song } from "../browser.mjs";
+import { song, torus } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
-import { downloaded, drop, moves, opened, step, still, until } from "./driver.mjs";
+import { dances, downloaded, drop, moves, opened, says, songIs, step, still, until } from "./driver.mjs";
+import { holdBack, holdsBack, isHeldBack } from "./held.mjs";
 
 const CONTROLS = "button, input, select, textarea, summary, a[href], [tabindex='0']";
 
@@ -100,6 +101,13 @@ export async function fullScreen() {
   await page.evaluate(() => document.exitFullscreen());
   await until(page, () => document.body.dataset.bare === undefined);
   assert.ok(await page.isVisible("#controls"));
+  // A project leads to the other room, which has its line at the top.
+  await page.click("#full");
+  await until(page, () => document.body.dataset.bare === "yes" && document.fullscreenElement);
+  const project = 'format_version = 4\nlayer = []\n\n[shape]\nsource = "dent.obj"\nharmonics = 32\n';
+  await drop(page, ["dent.chladni", Buffer.from(project)]);
+  await says(page, "bring that mesh");
+  for (const id of ["home", "status"]) assert.ok(await page.isVisible(`#${id}`), id);
   step("full screen and back; keys play, pause and go on");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
@@ -178,6 +186,54 @@ export async function large() {
   const { page } = await opened({ width: 390, height: 844 }, true);
   assert.equal(await page.evaluate(() => getComputedStyle(document.getElementById("picture")).touchAction), "pinch-zoom", "two fingers enlarge the front");
   step("the front at a phone's 200 %, and with text of twice its size");
+  await page.context().close();
+}
+
+/** Long names, narrow windows and a system's own colors leave in sight what is said, chosen and pressed. */
+export async function inSight() {
+  const { page, wrong, elsewhere } = await opened({ width: 1280, height: 800 }, false, { prepare: holdsBack });
+  const rightOf = (selector) => page.evaluate((selector) => (
+    Math.max(...[...document.querySelectorAll(selector)].map((each) => each.getBoundingClientRect().right))), selector);
+  await page.click("#enter");
+  await dances(page, "sample:octopus");
+  await page.click("#more");
+  const name = "01 - Some Artist - A Title of a Song (Remastered 2011).wav";
+  await drop(page, [name, song(20)]);
+  await songIs(page, name);
+  const edge = await rightOf("#drawer");
+  assert.ok(await rightOf("#song-list button, #shuffle, #volume") < edge, "the songs are as wide as the drawer");
+  const mesh = `${"long_".repeat(46)}.obj`;
+  await drop(page, [mesh, torus(24, 12)]);
+  await dances(page, mesh);
+  assert.ok(await rightOf("#shape") < 1280, "the list of shapes is as wide as the window");
+  step("long names leave all in sight");
+
+  await page.emulateMedia({ forcedColors: "active" });
+  await page.click("#cells .cell:nth-child(2) .choose");
+  await page.waitForSelector(".cell.chosen");
+  const [mark, ...marked] = await page.evaluate(() => {
+    const probe = document.body.appendChild(document.createElement("i"));
+    probe.style.color = "Highlight";
+    const colorOf = (element, property) => getComputedStyle(element)[property];
+    const [more, cell, songPlayed] = ["#more", ".cell.chosen", "#song-list .chosen"].map((each) => document.querySelector(each));
+    const colors = [colorOf(probe, "color"), colorOf(more, "backgroundColor"), colorOf(cell, "borderTopColor"), colorOf(songPlayed, "outlineColor")];
+    probe.remove();
+    return colors;
+  });
+  assert.deepEqual(marked, [mark, mark, mark], "what is chosen has the system's mark");
+  await page.emulateMedia({ forcedColors: "none" });
+  step("a system's own colors show what is chosen");
+
+  await page.setViewportSize({ width: 320, height: 640 });
+  await holdBack(page, "prepare narrow.obj");
+  await drop(page, ["narrow.obj", torus(24, 12)]);
+  await isHeldBack(page);
+  await page.evaluate(() => { document.getElementById("progress").textContent = "large.obj: 100 % · 45 %"; });
+  assert.ok(await rightOf("#top > *") <= 320, "the line at the top is as wide as a phone");
+  assert.ok(await page.isVisible("#cancel"));
+  assert.ok(await page.evaluate(() => document.getElementById("status").clientWidth > 250), "the status can be read");
+  step("a phone shows what is being done");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }
 

@@ -379,6 +379,18 @@ export async function films() {
   await page.click("#film");
   await until(page, () => /^Stop/.test(document.getElementById("film").textContent));
   assert.ok(await asks(), "a recording would be lost");
+  // Files that cannot be used leave it as it is.
+  for (const name of ["mask.npy", "empty.chladni"]) {
+    await drop(page, [name, Buffer.from("")]);
+    await says(page, name);
+    assert.equal(await page.evaluate(() => document.body.dataset.view), "music", name);
+    assert.match(await page.textContent("#film"), /^Stop/, name);
+  }
+  // Nor does a mesh that came with a project.
+  const shape = await page.evaluate(() => window.chladni.state.body);
+  await drop(page, ["empty.chladni", Buffer.from("")], ["beside.obj", torus(24, 12)]);
+  await says(page, "empty.chladni");
+  assert.equal(await page.evaluate(() => window.chladni.state.body), shape);
   await downloaded(page, "#film");
   assert.ok(!(await asks()));
   step("nothing comes into a film, and nobody loses one without a question");

@@ -354,6 +354,11 @@ export async function laptop() {
   await presses(11, "choose");
   assert.notDeepEqual(mapping(await saved(page)), mapping(preset));
   await presses(11, "choose");
+  const others = Array.from({ length: 11 }, (_, i) => i + 1);
+  for (const cell of others) await presses(cell, "lock");
+  await drop(page, ["dance.toml", Buffer.from(preset)]);
+  await until(page, () => document.getElementById("status").textContent.includes("all dances are locked"));
+  for (const cell of others) await presses(cell, "lock");
   await drop(page, ["dance.toml", Buffer.from(preset)]);
   await until(page, () => document.getElementById("status").textContent.includes("this dance is in the gallery now"));
   await presses(11, "choose");

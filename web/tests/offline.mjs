@@ -51,7 +51,7 @@ export async function offline() {
   const server = await serve(folder);
   const context = await browser.newContext({ viewport: { width: 1000, height: 700 } });
   const page = await empty(context);
-  await page.goto(server.address);
+  await page.goto(`${server.address}?draw=cpu`);
   await until(page, () => window.chladni?.frames > 3 && window.chladni.sound.duration > 0);
   await until(page, async () => {
     const kept = await (await caches.open("chladni")).keys();
@@ -59,8 +59,11 @@ export async function offline() {
   });
   server.stop();
   await context.setOffline(true);
-  await page.reload();
-  await until(page, () => window.chladni?.frames > 3);
+  // Under any of its addresses.
+  for (const name of ["", "index.html"]) {
+    await page.goto(server.address + name);
+    await until(page, () => window.chladni?.frames > 3);
+  }
   await page.click("#exaggerate");
   await acts(page);
   const runs = await Promise.all(page.workers().map((worker) =>

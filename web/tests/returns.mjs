@@ -237,7 +237,7 @@ export async function layers() {
   const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false, { answers });
   await drop(page, ["mask.npy", Buffer.from("no mask")]);
   await says(page, "choose a shape first");
-  await page.click("#home");
+  assert.equal(await page.evaluate(() => document.body.dataset.view), "front");
   await page.click("#exaggerate");
   await acts(page);
 

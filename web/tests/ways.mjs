@@ -34,6 +34,23 @@ export async function music() {
   await page.click("#play");
   await locks(true, true, false);
   step("the screen stays awake while a shape dances");
+  // The system interrupts the sound, as by a call: the song goes on once it may, and Play says which it is.
+  const playSays = (text) => until(page, (text) => document.getElementById("play").textContent === text, text);
+  await playSays("Pause");
+  await page.evaluate(() => {
+    const { context } = window.chladni.sound;
+    context.resume = () => Promise.reject(new DOMException("a call", "InvalidStateError"));
+    return context.suspend();
+  });
+  await playSays("Play");
+  const at = await page.evaluate(() => window.chladni.sound.position());
+  await until(page, (at) => window.chladni.sound.position() !== at, at);
+  await page.evaluate(() => { delete window.chladni.sound.context.resume; });
+  await page.click("#play");
+  await playSays("Pause");
+  await page.evaluate(() => window.chladni.sound.context.suspend());
+  await until(page, () => window.chladni.sound.isHeard);
+  step("a song goes on after an interruption");
   // The dance on stage is the one that is saved.
   await click(page, "#cells .cell:nth-child(5) .stage");
   await until(page, () => window.chladni.state.on_stage);
@@ -116,6 +133,12 @@ export async function music() {
   await until(page, () => document.getElementById("song").textContent === "3 of 3: held.wav");
   await drop(page, ["letter.pdf", Buffer.from("%PDF")], ["cover.jpg", Buffer.from([255, 216])]);
   await until(page, () => /^(letter.pdf|cover.jpg): the page opens meshes/.test(document.getElementById("status").textContent));
+  // Its file is written to after it was chosen.
+  await page.evaluate(() => {
+    Blob.prototype.arrayBuffer = () => Promise.reject(new DOMException("permission problems", "NotReadableError"));
+  });
+  await drop(page, ["changed.wav", song(3)]);
+  await until(page, () => document.getElementById("status").textContent.startsWith("changed.wav cannot be read: it has changed"));
   step("a damaged song is reported once, and what is none of the page's is refused");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();

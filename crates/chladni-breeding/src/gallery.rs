@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-pub use self::candidates::CANDIDATES;
+pub use self::candidates::{CANDIDATES, Mutation};
 use crate::BreedingError;
 use crate::item::{GalleryItem, Generation, Genome, ItemId, Origin, item_name};
 
@@ -222,7 +222,7 @@ impl<G: Genome> Gallery<G> {
     /// # Errors
     /// An amount outside [0, 1], an item that does not exist, or no room for more generations.
     pub fn mutate(&mut self, index: usize, amount: f32) -> Result<(), BreedingError> {
-        self.mutate_until(index, amount, |_| true)
+        self.mutate_by(index, amount, G::mutant)
     }
 
     /// The same, but the change is drawn again while the changed item is not `wanted`, up to a number of times.
@@ -235,6 +235,28 @@ impl<G: Genome> Gallery<G> {
         amount: f32,
         wanted: impl Fn(&G) -> bool,
     ) -> Result<(), BreedingError> {
+        self.mutate_by(index, amount, |parent, amount, rng| {
+            let mut mutant = parent.mutant(amount, rng);
+            for _ in 1..MUTANTS {
+                if wanted(&mutant) {
+                    break;
+                }
+                mutant = parent.mutant(amount, rng);
+            }
+            mutant
+        })
+    }
+
+    /// The same with a mutation of the caller's.
+    ///
+    /// # Errors
+    /// Those of [`mutate`](Self::mutate).
+    pub fn mutate_by(
+        &mut self,
+        index: usize,
+        amount: f32,
+        mutation: impl Fn(&G, f32, &mut ChaCha8Rng) -> G,
+    ) -> Result<(), BreedingError> {
         if !(0.0..=1.0).contains(&amount) {
             return Err(BreedingError::OutOfRange {
                 name: "mutation",
@@ -245,13 +267,7 @@ impl<G: Genome> Gallery<G> {
         self.check_room()?;
         let parent = self.item_mut(index)?.clone();
         let mut rng = self.rng();
-        let mut genome = parent.genome.mutant(amount, &mut rng);
-        for _ in 1..MUTANTS {
-            if wanted(&genome) {
-                break;
-            }
-            genome = parent.genome.mutant(amount, &mut rng);
-        }
+        let genome = mutation(&parent.genome, amount, &mut rng);
         let child = self.item(genome, Origin::Mutated { parent: parent.id });
         self.replace(index, child);
         Ok(())

@@ -45,7 +45,7 @@ mod suggestion;
 
 pub use crossing::{inherit, shift};
 pub use error::BreedingError;
-pub use gallery::{CANDIDATES, GALLERY_SIZES, Gallery};
+pub use gallery::{CANDIDATES, GALLERY_SIZES, Gallery, Mutation};
 pub use item::{GalleryItem, Generation, Genome, ItemId, Origin, item_name};
 pub use rand_chacha::ChaCha8Rng;
 pub use rand_chacha::rand_core::SeedableRng;

@@ -300,8 +300,12 @@ impl Difference {
         }
         let below = |f: &[Vec3]| x.iter().zip(f).map(|(x, f)| dot(*x, *f)).sum::<f64>();
         let (residual_xx, residual_xd) = (xx - below(x), xd - below(d));
+        // Where all harmonics are constants, those of further pieces may be missing: the residual would say where they lie.
+        let basis = &self.base.basis;
+        let is_torn = basis.harmonics() > 1 && basis.constants() == basis.harmonics();
         let noise = xx * self.base.basis.certificate.max_orthogonality_error.max(1e-13) * 10.0;
-        Psi { psi, residual: if residual_xx > noise { residual_xd / residual_xx } else { 0.0 } }
+        let has_residual = residual_xx > noise && !is_torn;
+        Psi { psi, residual: if has_residual { residual_xd / residual_xx } else { 0.0 } }
     }
 
     /// dx^δ(v), N: the part of x^δ above K.

@@ -14,7 +14,8 @@ pub struct Certificate {
     /// without factors ([`InnerSolver::Iterated`](crate::InnerSolver)) could not count them.
     pub inertia_counts_match: Option<bool>,
     /// max over k ≥ 1 of ‖S h − λ M h‖ / ‖S h‖; from [`Operator::certify`](crate::Operator::certify) also that of the
-    /// constants, as a share of the terms that cancel.
+    /// constants, as a share of the terms that cancel. For a [`Pencil`](crate::Pencil), that of S + tM, which is solved
+    /// instead of S, or where that of S itself exceeds 10⁻⁷ and is larger, that (docs/eigensolver.md).
     pub max_relative_residual: f64,
     /// max |HᵀMH − I|.
     pub max_orthogonality_error: f64,

@@ -138,7 +138,7 @@ impl Pencil<'_> {
         let vertices = self.mass.len();
         let mut report = BuildReport { asked: settings.harmonics, vertices, ..BuildReport::default() };
         let settings = BasisSettings { harmonics: settings.clamped(vertices)?, ..settings.clone() };
-        let Solved { basis, cuts_cluster, fell_back_to_dense, short_of_memory, profile, .. } =
+        let Solved { basis, cuts_cluster, fell_back_to_dense, short_of_memory, profile } =
             on_threads(settings.threads, || eigen::solve_given(*self, &settings, choose, task))??;
         (report.cuts_cluster, report.fell_back_to_dense) = (cuts_cluster, fell_back_to_dense);
         report.short_of_memory = short_of_memory;
@@ -222,7 +222,7 @@ fn solved(
         report.cover = operator.cover;
         report.seconds.operator = start.elapsed().as_secs_f64();
         let solving = Instant::now();
-        let Solved { basis, cuts_cluster, fell_back_to_dense, short_of_memory, profile, .. } =
+        let Solved { basis, cuts_cluster, fell_back_to_dense, short_of_memory, profile } =
             eigen::solve(&operator, settings, task)?;
         (report.cuts_cluster, report.fell_back_to_dense) = (cuts_cluster, fell_back_to_dense);
         report.short_of_memory = short_of_memory;

@@ -77,6 +77,7 @@ pub use ranks::{InnerSolver, Ranks, RanksReport, RanksSeconds};
 pub use report::{BasisWarning, BuildReport, BuildSeconds, CoverReport, ShortOfMemory, SolveProfile};
 pub use settings::{BasisSettings, Laplacian};
 pub use sparse::SymmetricSparse;
+pub use threads::MOST_THREADS;
 pub use values::Values;
 
 /// The examples of README.md, compiled.

@@ -6,7 +6,7 @@ use crate::HarmonicsError;
 use crate::platform::HAS_THREADS;
 
 /// The largest number of threads that may be asked for.
-const MOST_THREADS: usize = 1024;
+pub const MOST_THREADS: usize = 1024;
 
 /// Runs `work` on `threads` threads. `None` means the pool from which it is called, or all threads of the
 /// machine. Where the system gives fewer there are fewer; if it gives hardly any, the calling thread does all of the work.

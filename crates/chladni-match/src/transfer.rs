@@ -1,11 +1,16 @@
 //! Transfers the difference between two shapes to a third.
 
 use chladni_mesh::TriMesh;
+use chladni_mesh::surface::Bounds;
+use chladni_mesh::surface::vec3::distance;
 use chladni_task::Task;
 
 use crate::correspondence::has_same_vertices;
 use crate::infill::rest_off_surface;
-use crate::{Correspondence, MatchError, MatchReport, MatchSettings, Method, infilled, match_shapes};
+use crate::{
+    Correspondence, MatchError, MatchReport, MatchSettings, Method, Scaling, Similarity, infilled,
+    match_shapes,
+};
 
 /// A shape to which a difference, such as an expression or a caricature, was transferred.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,19 +19,20 @@ pub struct Transfer {
     pub positions: Vec<[f64; 3]>,
     /// The confidence in each vertex's match with the neutral shape, in [0, 1].
     pub confidence: Vec<f64>,
-    /// How well the target and the neutral shape match. Its warnings begin with those of the match of the neutral shape
-    /// with the expression, where there was one.
+    /// How well the target and the neutral shape match. Its warnings begin with those about the neutral shape and the
+    /// expression.
     pub report: MatchReport,
 }
 
 /// Transfers the difference between `neutral` and `expression` to `target`.
 ///
-/// If `neutral` and `expression` have the same polygons, or the same triangles in whatever order, the difference is that of
-/// their vertices as stored in the files; otherwise it is that of a match, without the differences of position, pose and
-/// size. `target` is matched with `neutral` as `settings` say. Each vertex of `target` takes the difference
-/// at its point of the neutral shape, rotated and scaled by the similarity that brings the neutral shape to
-/// the target. Where that match is not trusted, the difference is filled in from its surroundings
-/// ([`infilled`]). A vertex of `target` that no triangle uses, and that has no partner, stays where it is.
+/// If `neutral` and `expression` have the same polygons, or the same triangles in whatever order, the difference is
+/// that of their vertices as stored in the files, with a warning where most of that is another place, pose or size;
+/// otherwise it is that of a match, without the differences of position, pose and size. `target` is matched with
+/// `neutral` as `settings` say. Each vertex of `target` takes the difference at its point of the neutral shape, rotated
+/// and scaled by the similarity that brings the neutral shape to the target. Where that match is not trusted, the
+/// difference is filled in from its surroundings ([`infilled`]). A vertex of `target` that no triangle uses, and that
+/// has no partner, stays where it is.
 ///
 /// # Errors
 /// Those of [`match_shapes`].
@@ -71,7 +77,7 @@ fn difference(
     let less = |(x, r): (&[f64; 3], &[f64; 3])| std::array::from_fn(|i| r[i] - x[i]);
     if has_same_vertices(neutral, expression) {
         let between = neutral.positions.iter().zip(&expression.positions);
-        return Ok((between.map(less).collect(), Vec::new()));
+        return Ok((between.map(less).collect(), stands_apart(neutral, expression).into_iter().collect()));
     }
     // Landmarks, and vertices in the same order, are of the target and the neutral shape.
     let method = match settings.method {
@@ -85,6 +91,33 @@ fn difference(
     let target =
         infilled(neutral, &found.correspondence)?.map_or(found.correspondence.target, |filled| filled.target);
     Ok((neutral.positions.iter().zip(&target).map(less).collect(), warnings))
+}
+
+/// The least mean displacement, as a share of the diagonal, that is taken for another pose: faces hardly move as far.
+const APART: f64 = 0.03;
+
+/// A warning where a similarity alone accounts for most of what moves the vertices of `neutral` to those of `expression`,
+/// which then are in another unit or pose.
+fn stands_apart(neutral: &TriMesh, expression: &TriMesh) -> Option<String> {
+    let (from, to) = (&neutral.positions, &expression.positions);
+    let similarity = Similarity::fit(from, to, None, Scaling::Free).ok()?;
+    let rms = |squares: f64| (squares / from.len().max(1) as f64).sqrt();
+    let whole = rms(from.iter().zip(to).map(|(a, b)| distance(*a, *b).powi(2)).sum());
+    let left = rms(from.iter().zip(to).map(|(a, b)| distance(similarity.apply(*a), *b).powi(2)).sum());
+    let is_far = whole > APART * Bounds::of(from.iter().copied()).diagonal();
+    if !is_far || left >= 0.5 * whole {
+        return None;
+    }
+    let what = match similarity.scale {
+        scale if scale > 3.0 => format!("is about {scale:.0} times larger than the neutral shape"),
+        scale if scale < 1.0 / 3.0 => {
+            format!("is about {:.0} times smaller than the neutral shape", 1.0 / scale)
+        }
+        _ => "has another place, pose or size than the neutral shape".to_owned(),
+    };
+    Some(format!(
+        "the expression {what}, which counts as movement: bring both into one unit and pose unless that is meant"
+    ))
 }
 
 #[cfg(test)]
@@ -122,6 +155,31 @@ mod tests {
         let found = transfer(&neutral, &expression, &posed(&neutral), &settings, &Task::new()).unwrap();
         for (found, expected) in found.positions.iter().zip(posed(&expression).positions) {
             assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-9));
+        }
+    }
+
+    #[test]
+    fn an_expression_in_another_unit_or_pose_is_warned_of_and_no_other() {
+        let neutral = torus(0.4, 24, 12);
+        let by = |change: &dyn Fn([f64; 3]) -> [f64; 3]| {
+            let positions = neutral.positions.iter().map(|p| change(*p)).collect();
+            stands_apart(&neutral, &TriMesh { positions, ..neutral.clone() }).unwrap_or_default()
+        };
+        let bent = |[x, y, z]: [f64; 3]| [x, y + 0.3 * x * x, z - 0.1 * y];
+        let [larger, smaller] = [10.0_f64, 0.1].map(|unit| {
+            by(&|p| {
+                let [x, y, z] = bent(p);
+                [unit * x + 3.0, unit * y, unit * z]
+            })
+        });
+        assert!(
+            larger.contains("10 times larger") && smaller.contains("10 times smaller"),
+            "{larger} {smaller}"
+        );
+        assert!(by(&|p| [p[1], -p[0], p[2]]).contains("another place, pose or size"));
+        // Whatever changes the form, and what moves no farther than a nod.
+        for said in [by(&bent), by(&|[x, y, z]| [x + 0.02, y, z]), by(&|[x, y, z]| [x, 1.5 * y, z])] {
+            assert!(said.is_empty(), "{said}");
         }
     }
 
@@ -195,7 +253,7 @@ mod tests {
         };
         let top = neutral.positions.iter().copied().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
         let distance = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
-        let size = chladni_mesh::surface::Bounds::of(neutral.positions.iter().copied()).diagonal();
+        let size = Bounds::of(neutral.positions.iter().copied()).diagonal();
         let bump = |p: &[f64; 3]| {
             let near = (1.0 - distance(p, &top) / (0.2 * size)).max(0.0);
             [0.0, 0.1 * size * near, 0.0]
@@ -227,8 +285,7 @@ mod tests {
         let (neutral, target) = (sample("template").unwrap(), sample("cat").unwrap());
         let found =
             transfer(&neutral, &moved(&neutral), &target, &MatchSettings::default(), &Task::new()).unwrap();
-        let size =
-            |mesh: &TriMesh| chladni_mesh::surface::Bounds::of(mesh.positions.iter().copied()).diagonal();
+        let size = |mesh: &TriMesh| Bounds::of(mesh.positions.iter().copied()).diagonal();
         let most = neutral.positions.iter().map(grimace).map(|d| d[1].hypot(d[2])).fold(0.0, f64::max);
         let most = most * size(&target) / size(&neutral);
         let far = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
@@ -247,7 +304,7 @@ mod tests {
             return;
         };
         let [neutral, target] = [neutral, target].map(|path| chladni_mesh::load_mesh(&path).unwrap().mesh);
-        let size = 0.5 * chladni_mesh::surface::Bounds::of(neutral.positions.iter().copied()).diagonal();
+        let size = 0.5 * Bounds::of(neutral.positions.iter().copied()).diagonal();
         let center = chladni_mesh::Frame::of(&neutral).center;
         let expression = TriMesh {
             positions: neutral

@@ -96,7 +96,8 @@ impl<'a> MirrorSearch<'a> {
     /// length.
     ///
     /// Where several planes fit about as well (a box, an eight-armed octopus), it is the one whose
-    /// normal is nearest to x: a viewer's left and right.
+    /// normal is nearest to x: a viewer's left and right. A plane in which the shape itself lies, as a flat sheet in its
+    /// own, is none: it would fit any outline. `None` for a single point, which lies in all its planes.
     ///
     /// # Errors
     /// [`Cancelled`] through `task`.
@@ -114,11 +115,13 @@ impl<'a> MirrorSearch<'a> {
         let normals: Vec<Vec3> = normals.filter(|n| length(*n) > 1e-6).collect();
         let mut candidates: Vec<MirrorPlane> =
             normals.into_par_iter().map(plane).collect::<Result<_, Cancelled>>()?;
+        candidates.retain(|plane| !self.lies_in(plane, &few));
         candidates.sort_by(|a, b| preference(a).total_cmp(&preference(b)));
         let mut best: Option<MirrorPlane> = None;
         for plane in candidates.into_iter().take(FINALISTS) {
             let refined = self.refine(plane, &few, task)?;
-            if best.is_none_or(|b| preference(&refined) < preference(&b)) {
+            let is_better = best.is_none_or(|b| preference(&refined) < preference(&b));
+            if is_better && !self.lies_in(&refined, &few) {
                 best = Some(refined);
             }
         }
@@ -211,6 +214,18 @@ impl<'a> MirrorSearch<'a> {
 
     fn misfit(&self, plane: &MirrorPlane, vertices: &[usize], task: &Task) -> Result<f64, Cancelled> {
         Ok(self.distance(&self.matches(plane, vertices, task)?))
+    }
+
+    /// Whether the best nine tenths of `vertices` lie so near to `plane` that it fits whatever they form: the mirror moves
+    /// each by twice its distance from the plane, and brings none nearer to the surface. It does so in a thin closed slab,
+    /// whose two faces it exchanges.
+    fn lies_in(&self, plane: &MirrorPlane, vertices: &[usize]) -> bool {
+        let moved = |v: &usize| 2.0 * (dot(plane.normal, self.positions[*v]) - plane.offset) / self.diagonal;
+        let mut squares: Vec<f64> = vertices.iter().map(|v| moved(v).powi(2)).collect();
+        squares.sort_by(f64::total_cmp);
+        squares.truncate((vertices.len() * 9).div_ceil(10));
+        let own = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
+        own <= MirrorPlane::TOLERANCE && (own < 1e-9 || plane.misfit > 0.5 * own)
     }
 
     /// Root mean square, as a share of the diagonal.
@@ -360,6 +375,35 @@ mod tests {
     }
 
     #[test]
+    fn a_flat_sheet_is_not_mirrored_in_its_own_plane() {
+        let rectangle: fn(f64, f64) -> [f64; 2] = |s, t| [s, 0.7 * t];
+        // It winds inward along a spiral and tapers off.
+        let horn: fn(f64, f64) -> [f64; 2] = |s, t| {
+            let (sin, cos) = (4.2 * s).sin_cos();
+            let radius = 0.3 + s + 0.1 * t * (1.0 - 0.8 * s);
+            [radius * cos, radius * sin]
+        };
+        let at = |i: u32| f64::from(i) / 12.0;
+        let cells = (0..12).flat_map(|i| (0..12).map(move |j| 13 * i + j));
+        let triangles: Vec<[u32; 3]> =
+            cells.flat_map(|v| [[v, v + 1, v + 13], [v + 1, v + 14, v + 13]]).collect();
+        for (outline, is_symmetric) in [(rectangle, true), (horn, false)] {
+            for axis in 0..3 {
+                let vertex = |v: u32| {
+                    let (mut p, [x, y]) = ([0.0; 3], outline(at(v / 13), at(v % 13)));
+                    (p[(axis + 1) % 3], p[(axis + 2) % 3]) = (x, y);
+                    p
+                };
+                let positions: Vec<Vec3> = (0..169).map(vertex).collect();
+                let search = MirrorSearch::of(&positions, &triangles).unwrap();
+                let found = search.best(&[], &Task::new()).unwrap().unwrap();
+                assert_eq!(found.fits(), is_symmetric, "{found:?}");
+                assert!(found.normal[axis].abs() < 0.01 || !is_symmetric, "{found:?}");
+            }
+        }
+    }
+
+    #[test]
     fn around_a_vertex_of_many_triangles_the_nearest_is_found_without_trying_all() {
         let sides = 400_u32;
         let around = (0..sides).map(|i| {
@@ -390,6 +434,6 @@ mod tests {
         assert!(MirrorSearch::of(&[[f64::NAN; 3]], &[]).is_none());
         let point = [[1.0; 3]];
         let search = MirrorSearch::of(&point, &[[0, 0, 0]]).unwrap();
-        assert!(search.best(&[[0.0; 3]], &Task::new()).unwrap().is_some());
+        assert!(search.best(&[[0.0; 3]], &Task::new()).unwrap().is_none());
     }
 }

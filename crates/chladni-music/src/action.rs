@@ -17,10 +17,14 @@ pub enum Action {
     /// Replaces all items that are not locked by the candidates of these numbers, one for each place
     /// ([`Gallery::candidates`](crate::Gallery::candidates), [`suggest`](crate::suggest)).
     BreedFrom { candidates: Vec<u16> },
+    /// The same, as shows before version 4 did it: see [`MutatePlainly`](Self::MutatePlainly).
+    BreedFromPlainly { candidates: Vec<u16> },
     /// Choices made so far no longer count when children are suggested.
     ForgetPreference,
     /// Changes one item a little at random; amount in [0, 1].
     Mutate { item: usize, amount: f32 },
+    /// The same, as shows before version 4 did it: bands may end on the constant harmonic, and the gain does not follow.
+    MutatePlainly { item: usize, amount: f32 },
     /// Locks an item in its place, or unlocks it.
     Lock { item: usize, on: bool },
     /// Adds an item to the favorites, or removes it.
@@ -89,7 +93,23 @@ impl Action {
 
     /// Whether it makes dances of others by chance.
     pub fn is_bred(&self) -> bool {
-        matches!(self, Self::Breed | Self::BreedFrom { .. } | Self::Mutate { .. })
+        matches!(
+            self,
+            Self::Breed
+                | Self::BreedFrom { .. }
+                | Self::BreedFromPlainly { .. }
+                | Self::Mutate { .. }
+                | Self::MutatePlainly { .. }
+        )
+    }
+
+    /// The action that did the same in shows before version 4.
+    pub(crate) fn of_version_3(self) -> Self {
+        match self {
+            Self::BreedFrom { candidates } => Self::BreedFromPlainly { candidates },
+            Self::Mutate { item, amount } => Self::MutatePlainly { item, amount },
+            other => other,
+        }
     }
 
     /// The actions that set the knobs to a timbre.

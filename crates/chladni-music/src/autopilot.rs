@@ -57,6 +57,8 @@ pub struct Autopilot {
     seed: u64,
     candidates: Vec<Candidate>,
     looks: usize,
+    /// The look of the first turn, where that is given.
+    opening: Option<usize>,
     /// When each danced last.
     danced_secs: Vec<Option<f64>>,
     /// All turns, and the one that is shown.
@@ -76,6 +78,7 @@ impl Autopilot {
             danced_secs: vec![None; candidates.len()],
             candidates,
             looks: looks.max(1),
+            opening: None,
             turns: Vec::new(),
             shown: 0,
             since_secs: 0.0,
@@ -83,6 +86,12 @@ impl Autopilot {
             energy: 0.5,
             holds: false,
         }
+    }
+
+    /// The first turn has this look; `None` where it is drawn, too.
+    #[must_use]
+    pub fn opening_in(self, look: Option<usize>) -> Self {
+        Self { opening: look, ..self }
     }
 
     /// The current choice; `None` before the first bar.
@@ -115,6 +124,7 @@ impl Autopilot {
         if !due || self.holds {
             return None;
         }
+        self.leave(bar.at_secs);
         let turn = self.turn(bar.at_secs);
         // This bar is the first of its group.
         self.bars = 1;
@@ -123,6 +133,7 @@ impl Autopilot {
 
     /// The next turn at once, or the one before; it may come on any beat, because somebody asked for it.
     pub fn step(&mut self, at_secs: f64, forward: bool) -> Option<Turn> {
+        self.leave(at_secs);
         if forward && self.shown + 1 >= self.turns.len() {
             return self.turn(at_secs);
         }
@@ -130,10 +141,20 @@ impl Autopilot {
         self.begin(at_secs)
     }
 
+    /// The dance that is shown leaves only now, however long it was held.
+    fn leave(&mut self, at_secs: f64) {
+        if let Some(shown) = self.shown()
+            && let Some(danced_secs) = self.danced_secs.get_mut(shown.dance)
+        {
+            *danced_secs = Some(at_secs);
+        }
+    }
+
     fn turn(&mut self, at_secs: f64) -> Option<Turn> {
         let count = self.turns.len() as u64;
         let dance = self.choose(at_secs, hash(self.seed, 4 * count))?;
-        let look = self.choose_look(hash(self.seed, 4 * count + 1));
+        let opening = self.opening.filter(|_| self.turns.is_empty());
+        let look = opening.unwrap_or_else(|| self.choose_look(hash(self.seed, 4 * count + 1)));
         self.turns.push(Turn { dance, look, gain: 0.8 + 0.4 * self.energy.clamp(0.0, 1.0) });
         self.shown = self.turns.len() - 1;
         self.begin(at_secs)
@@ -233,6 +254,15 @@ mod tests {
             let next = (81..120).find_map(|i| autopilot.hear(bar(i))).unwrap();
             assert!(looks == 1 || next.look != back.look, "seed {seed}: {looks} looks");
             assert!(looks < 3 || turns.last().unwrap().look != next.look, "seed {seed}: {looks} looks");
+        }
+    }
+
+    #[test]
+    fn the_look_of_the_opening_does_not_follow_itself() {
+        for seed in 0..60 {
+            let mut autopilot = Autopilot::new(seed, candidates(), 6).opening_in(Some(4));
+            let looks: Vec<usize> = (0..40).filter_map(|i| Some(autopilot.hear(bar(i))?.look)).collect();
+            assert!(looks.len() > 1 && looks[0] == 4 && looks[1] != 4, "seed {seed}: {looks:?}");
         }
     }
 

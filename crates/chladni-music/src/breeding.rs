@@ -6,7 +6,7 @@ use rand::RngExt;
 use crate::Mapping;
 
 /// A mapping whose largest driven |a| is below this counts as not moving.
-const SILENT: f32 = 0.02;
+pub(crate) const SILENT: f32 = 0.02;
 
 /// A child of two mappings. Transfer and amplification are each mixed with probability ½ and
 /// otherwise taken whole from one parent; μ and gain likewise (a gallery then evens the
@@ -49,8 +49,26 @@ pub fn breed(mother: &Mapping, father: &Mapping, rng: &mut ChaCha8Rng) -> Mappin
 
 /// `mapping` changed a little: every run of t, a and μ moves by one random step of at most
 /// `amount` (in [0, 1]) within its range. An amplification of zero stays zero in half of the
-/// runs, so that bands do not all open at once.
+/// runs, so that bands do not all open at once. Bands do not move down to the first harmonic, which is constant and moves
+/// nothing: they turn back before it. The gain follows, so that a mutant is as much louder or softer than its even gain as
+/// `mapping` is.
 pub fn mutate(mapping: &Mapping, amount: f32, rng: &mut ChaCha8Rng) -> Mapping {
+    let mut mutant = mutate_plainly(mapping, amount, rng);
+    let top = mapping.amplification.len().saturating_sub(1);
+    if top > 0 {
+        let second = 1.0 / top as f32;
+        for (now, before) in mutant.transfer.iter_mut().zip(&mapping.transfer) {
+            if *now < second && *before >= second {
+                *now = (2.0 * second - *now).min(1.0);
+            }
+        }
+    }
+    mutant.gain = (mapping.gain / mapping.even_gain() * mutant.even_gain()).clamp(0.0, 100.0);
+    mutant
+}
+
+/// The mutation of shows before version 4: bands may move to the constant harmonic, and the gain stays.
+pub(crate) fn mutate_plainly(mapping: &Mapping, amount: f32, rng: &mut ChaCha8Rng) -> Mapping {
     let mut mutant = mapping.clone();
     shift(&mut mutant.transfer, amount, 0.0, rng);
     shift(&mut mutant.amplification, amount, -1.0, rng);
@@ -76,9 +94,9 @@ impl Genome for Mapping {
         self.transfer.len() + self.amplification.len()
     }
 
-    /// Some sound moves it.
+    /// Some sound is seen to move it.
     fn is_viable(&self) -> bool {
-        self.loudness() > 0.0
+        self.loudness_beyond(0) >= SILENT
     }
 }
 
@@ -133,7 +151,10 @@ mod tests {
             prop_assert!(p.transfer.iter().zip(&mutant.transfer).all(near));
             prop_assert!(p.amplification.iter().zip(&mutant.amplification).all(near));
             prop_assert!(near((&p.stereo_mu, &mutant.stereo_mu)));
-            prop_assert_eq!(mutant.gain, p.gain);
+            let loudness = |mapping: &Mapping| mapping.gain / mapping.even_gain();
+            prop_assert!(mutant.gain == 100.0 || (loudness(&mutant) - loudness(&p)).abs() <= 1e-4 * loudness(&p));
+            let plain = mutate_plainly(&p, amount, &mut ChaCha8Rng::seed_from_u64(seed));
+            prop_assert!(plain.transfer.iter().zip(&p.transfer).all(near) && plain.gain == p.gain);
         }
     }
 
@@ -153,6 +174,37 @@ mod tests {
             let values = || mutants.iter().flat_map(of).copied();
             let (least, most) = (values().fold(1.0, f32::min), values().fold(0.0, f32::max));
             assert!(least < 0.34 && most > 0.66, "{least} to {most}");
+        }
+    }
+
+    #[test]
+    fn bands_turn_back_before_the_constant_harmonic() {
+        let (mut on_it, mut plainly) = (0, 0);
+        let low = Mapping { transfer: vec![0.02; 128], ..Mapping::rest(128, 256) };
+        for seed in 0..20 {
+            let rng = || ChaCha8Rng::seed_from_u64(seed);
+            let count = |mutant: Mapping| mutant.targets(128, 256).iter().filter(|k| **k == 0).count();
+            on_it += count(mutate(&low, 0.2, &mut rng()));
+            plainly += count(mutate_plainly(&low, 0.2, &mut rng()));
+        }
+        assert!(on_it == 0 && plainly > 500, "{on_it} and {plainly}");
+    }
+
+    #[test]
+    fn no_dance_that_is_changed_a_little_stands_still_or_leaps() {
+        let eigenvalues: Vec<f64> = (0..256).map(f64::from).collect();
+        for seed in 0..9 {
+            let shape = crate::GalleryShape { eigenvalues: eigenvalues.clone(), bands: 128 };
+            let mut instrument = crate::Instrument::new(seed, 12, shape).unwrap();
+            for item in 0..12 {
+                let action = crate::Action::Mutate { item, amount: 0.2 };
+                instrument.apply(crate::Moment::default(), action).unwrap();
+            }
+            for item in instrument.gallery().items() {
+                assert!(item.genome.is_viable(), "seed {seed}, item {}", item.id);
+                let loudness = item.genome.gain / item.genome.even_gain();
+                assert!((0.99..1.01).contains(&loudness), "seed {seed}, item {}: {loudness}", item.id);
+            }
         }
     }
 

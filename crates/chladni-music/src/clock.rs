@@ -53,8 +53,13 @@ impl ClockMessage {
     }
 
     /// Reads an OSC message: `/tempo BPM`, `/beat` with or without its number in the bar, from 1, `/bar`, `/start`,
-    /// `/stop` and `/continue`, with `/chladni` before it or not. `None` where it is not about the clock.
+    /// `/stop` and `/continue`, with `/chladni` before it or not. `None` where it is not about the clock, and where its
+    /// value is 0.
     pub fn from_osc(address: &str, value: Option<f32>) -> Option<Self> {
+        // A button is let go.
+        if value == Some(0.0) {
+            return None;
+        }
         Some(match address.strip_prefix("/chladni").unwrap_or(address) {
             "/tempo" => Self::Tempo { bpm: f64::from(value?) },
             "/beat" => Self::Beat { in_bar: value.filter(|value| *value >= 1.0).map(|value| value as u32) },
@@ -118,6 +123,10 @@ mod tests {
         assert_eq!(osc("/beat", Some(f32::NAN)), Some(ClockMessage::Beat { in_bar: None }));
         assert_eq!(osc("/bar", Some(17.0)), Some(ClockMessage::Beat { in_bar: Some(1) }));
         assert_eq!((osc("/tempo", None), osc("/gain", Some(1.0))), (None, None));
+        for button in ["/beat", "/bar", "/chladni/start", "/stop", "/continue"] {
+            assert!(osc(button, Some(1.0)).is_some() && osc(button, None).is_some(), "{button}");
+            assert_eq!(osc(button, Some(0.0)), None, "{button} is let go");
+        }
     }
 
     #[test]

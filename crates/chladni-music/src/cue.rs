@@ -105,7 +105,8 @@ fn pick<T: Copy + PartialEq>(choices: &[(&str, T)], now: T, which: &Which) -> Op
 /// The cue of an OSC message to one of the instrument's own addresses, which needs no binding.
 /// `/chladni/NAME VALUE` is [`setting`] for knobs, switches, form, choir and harmonics. For other targets
 /// the value says which one: a level in [0, 1], a number from 1, or a name; `/chladni/NAME/WHICH` means the
-/// same; numbers below 1 are none. A button is pressed by a message without a value, and a value of 0 releases it.
+/// same; numbers below 1 are none. A number that is sent as text is a name first: songs may be called so. A button
+/// is pressed by a message without a value, and a value of 0 releases it.
 pub fn osc_cue(
     address: &str,
     value: Option<f32>,
@@ -116,6 +117,7 @@ pub fn osc_cue(
     if value.is_some_and(f32::is_nan) {
         return None;
     }
+    let in_address = name.contains('/');
     let (name, text, value) = match name.split_once('/') {
         // Where the address says which one, the value only presses.
         Some((name, which)) if value != Some(0.0) => (name, Some(which), None),
@@ -135,8 +137,8 @@ pub fn osc_cue(
             Which::Level(value.or_else(written)?.clamp(0.0, 1.0))
         }
         (Kind::Choice | Kind::Dance, Some(text), _) => match text.parse() {
-            Ok(number) => Which::Number(number),
-            Err(_) => Which::Name(text.to_owned()),
+            Ok(number) if in_address => Which::Number(number),
+            _ => Which::Name(text.to_owned()),
         },
         (_, _, Some(0.0)) => return None,
         (Kind::Choice | Kind::Dance, None, Some(value)) => match value.round() {
@@ -211,6 +213,8 @@ mod tests {
         assert_eq!(cue("/chladni/preset/7", None), ask(Target::Preset, Which::Number(7)));
         let named = osc_cue("/chladni/preset", None, Some("slow tide"), &Parameters::default());
         assert_eq!(named, ask(Target::Preset, Which::Name("slow tide".into())));
+        let called = osc_cue("/chladni/song", None, Some("1999"), &Parameters::default());
+        assert_eq!(called, ask(Target::Song, Which::Name("1999".into())));
         assert_eq!(cue("/chladni/look", None), ask(Target::Look, Which::Press));
         assert_eq!(cue("/chladni/choose", Some(3.0)), ask(Target::Choose, Which::Number(3)));
         assert_eq!(cue("/chladni/choose", Some(0.0)), None);

@@ -139,22 +139,21 @@ pub struct Director {
 }
 
 impl Director {
-    /// For bars that come in while they are heard.
-    pub fn live(seed: u64) -> Self {
-        let opening =
-            Shot { at_secs: 0.0, secs: 30.0, glide_secs: 0.0, kind: Kind::Front, side: 1.0, reach: 0.0 };
+    /// For bars that come in while they are heard, from `at_secs` of their time on.
+    pub fn live(seed: u64, at_secs: f64) -> Self {
+        let opening = Shot { at_secs, secs: 30.0, glide_secs: 0.0, kind: Kind::Front, side: 1.0, reach: 0.0 };
         Self { seed, count: 0, shots: vec![opening], bars: 0, planned_bars: 0, keeps_all: false }
     }
 
     /// For a song, in which one may go back: all shots are kept.
-    pub fn of_song(seed: u64) -> Self {
-        Self { keeps_all: true, ..Self::live(seed) }
+    pub fn of_song(seed: u64, at_secs: f64) -> Self {
+        Self { keeps_all: true, ..Self::live(seed, at_secs) }
     }
 
     /// Another one for live sound, with the same seed.
     #[must_use]
-    pub fn anew(&self) -> Self {
-        Self::live(self.seed)
+    pub fn anew(&self, at_secs: f64) -> Self {
+        Self::live(self.seed, at_secs)
     }
 
     /// Draws the shots that begin from now on by another seed.
@@ -181,6 +180,12 @@ impl Director {
             2
         };
         self.planned_bars = wanted.max(least.next_power_of_two());
+        let opening = self.shots.first().filter(|_| self.count == 0);
+        if opening.is_some_and(|opening| bar.at_secs - opening.at_secs < SHORTEST_SECS) {
+            // It would be gone at once: it lasts as long as the shot that would follow it.
+            (self.count, self.bars) = (1, 1);
+            return;
+        }
         let cuts = bar.begins_section || draw(0) % 4 < if bar.energy < LIVELY { 1 } else { 3 };
         // A glide from far away would be a swing of the camera.
         let glide_secs = if self.count == 0 || cuts { 0.0 } else { bar_secs.max(1.5) };
@@ -252,7 +257,7 @@ mod tests {
     use super::*;
 
     fn of_song(seed: u64, bars: Vec<BarLine>) -> Director {
-        let mut director = Director::of_song(seed);
+        let mut director = Director::of_song(seed, 0.0);
         bars.into_iter().for_each(|bar| director.hear(bar));
         director
     }
@@ -300,10 +305,24 @@ mod tests {
     }
 
     #[test]
+    fn the_opening_shot_is_not_cut_short() {
+        for at_secs in [0.009, 0.5, 3.5] {
+            let bar = |i: usize| BarLine {
+                at_secs: at_secs + 2.0 * i as f64,
+                secs: 2.0,
+                energy: 0.9,
+                begins_section: i == 0,
+            };
+            let next = of_song(1, (0..8).map(bar).collect()).shots[1].at_secs;
+            assert!((SHORTEST_SECS..8.0).contains(&next), "a bar at {at_secs}, the next shot at {next}");
+        }
+    }
+
+    #[test]
     fn whoever_hears_the_bars_one_by_one_sees_the_same() {
         let bars = bars(|i| [0.2, 0.5, 0.9][i / 8 % 3]);
         let whole = of_song(3, bars.clone());
-        let mut live = Director::live(3);
+        let mut live = Director::live(3, 0.0);
         let mut next = bars.into_iter().peekable();
         for i in 0..9000 {
             let at_secs = f64::from(i) / 50.0;

@@ -8,8 +8,10 @@ use std::collections::{BTreeMap, VecDeque};
 use chladni_breeding::{ItemId, Origin, item_name};
 
 use self::past::Past;
+use crate::breeding::{SILENT, mutate_plainly};
 use crate::gallery::{Gallery, GalleryItem, GalleryShape, initial};
 use crate::stage::{Scene, Stage};
+use crate::symmetry::spare_constants;
 use crate::text_file::FORMAT_VERSION;
 use crate::{
     Action, Ancestor, LoggedAction, Mapping, Moment, MusicError, Parameter, Parameters, Preset, Settings,
@@ -297,7 +299,18 @@ impl Instrument {
             Action::Breed => self.gallery.breed()?,
             Action::BreedFrom { ref candidates } => self.gallery.breed_from(candidates)?,
             Action::ForgetPreference => self.gallery.forget_preference(),
-            Action::Mutate { item, amount } => self.gallery.mutate(item, amount)?,
+            Action::BreedFromPlainly { ref candidates } => {
+                self.gallery.breed_from_by(candidates, |parent, amount, rng| {
+                    let mutant = mutate_plainly(parent, amount, rng);
+                    if mutant.loudness() > 0.0 { mutant } else { parent.clone() }
+                })?;
+            }
+            Action::Mutate { item, amount } => {
+                let spare = spare_constants(&self.shape.eigenvalues) as u32;
+                let is_seen = |mutant: &Mapping| mutant.loudness_beyond(spare) >= SILENT;
+                self.gallery.mutate_until(item, amount, is_seen)?;
+            }
+            Action::MutatePlainly { item, amount } => self.gallery.mutate_by(item, amount, mutate_plainly)?,
             Action::Lock { item, on } => self.gallery.item_mut(item)?.locked = on,
             Action::Favorite { item, on } => {
                 let item = self.gallery.item_mut(item)?.clone();

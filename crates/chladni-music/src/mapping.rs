@@ -104,8 +104,18 @@ impl Mapping {
 
     /// The largest |a| of any driven harmonic, in [0, 1]: a mapping of loudness 0 is not moved by any sound.
     pub fn loudness(&self) -> f32 {
-        let driven = self.targets(self.transfer.len(), self.amplification.len());
-        let answers = driven.into_iter().filter_map(|k| self.amplification.get(k as usize));
+        self.driven(|_| true)
+    }
+
+    /// The same of the harmonics behind harmonic `last`.
+    pub(crate) fn loudness_beyond(&self, last: u32) -> f32 {
+        self.driven(|k| k > last)
+    }
+
+    /// The largest |a| of the driven harmonics that `counts`.
+    fn driven(&self, counts: impl Fn(u32) -> bool) -> f32 {
+        let driven = self.targets(self.transfer.len(), self.amplification.len()).into_iter();
+        let answers = driven.filter(|k| counts(*k)).filter_map(|k| self.amplification.get(k as usize));
         answers.fold(0.0, |loudest, a| loudest.max(a.abs()))
     }
 

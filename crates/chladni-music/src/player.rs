@@ -100,15 +100,17 @@ impl Player {
 
     fn compiled(mapping: &Mapping, dancer: &Arc<Dancer>, bands: usize, playing: Playing, lift: f32) -> Self {
         let k_count = dancer.harmonics();
-        let targets = mapping.targets(bands, k_count);
         let amplification = mapping.amplification_on(k_count);
+        let answers = |k: u32| (k, amplification[k as usize]);
+        let mut driven: Vec<(u32, f32)> = mapping.targets(bands, k_count).into_iter().map(answers).collect();
+        let spread = awaken(&mut driven, dancer, playing.form);
         let in_use = playing.harmonics.map_or(k_count, |k| (k as usize).min(k_count));
-        let calibrated = calibrate(&targets, &amplification, dancer, playing);
-        let gain = mapping.gain_on(bands);
+        let calibrated = calibrate(&driven, dancer, playing);
+        let gain = spread * mapping.gain_on(bands);
         let mut drivers = Vec::with_capacity(2 * bands);
-        for (band, &k) in (0..).zip(&targets) {
+        for (band, (k, answer)) in (0..).zip(driven) {
             let octave = dancer.octave(dancer.unison(k).start);
-            let strength = lift * playing.gain * gain * calibrated[octave] * amplification[k as usize];
+            let strength = lift * playing.gain * gain * calibrated[octave] * answer;
             let tone = playing.timbre.map_or(0, |timbre| dancer.tone(&timbre, dancer.unison(k).start));
             // In the modal form a band also drives the harmonic's partner of the other class.
             let driven = match playing.form {
@@ -279,28 +281,54 @@ impl Player {
     }
 }
 
+/// Whether harmonic k moves the shape in a form, by more than rounding: one that does not stays at rest.
+fn moves(k: u32, dancer: &Dancer, form: Form) -> bool {
+    dancer.reach(form, k).displacement > 1e-6 * dancer.box_diagonal
+}
+
+/// Symmetry leaves many harmonics of a ball or a ring at rest where they filter the shape. Where a mapping drives only such
+/// ones, its bands drive the nearest that move. Each band comes with its harmonic, and how strongly that answers. Returns
+/// the factor of the gain for bands that share a harmonic from now on ([`Mapping::even_gain`]).
+fn awaken(driven: &mut [(u32, f32)], dancer: &Dancer, form: Form) -> f32 {
+    if driven.iter().any(|(k, answer)| *answer != 0.0 && moves(*k, dancer, form)) {
+        return 1.0;
+    }
+    let before = busiest(driven);
+    let moving: Vec<u32> = (0..dancer.harmonics() as u32).filter(|k| moves(*k, dancer, form)).collect();
+    for (k, _) in driven.iter_mut() {
+        let above = moving.partition_point(|other| *other < *k);
+        let around = [above.checked_sub(1), Some(above)].into_iter().flatten().filter_map(|i| moving.get(i));
+        *k = around.copied().min_by_key(|other| other.abs_diff(*k)).unwrap_or(*k);
+    }
+    (busiest(driven) / before).powf(-0.75)
+}
+
+/// How many bands drive the harmonic that most of them drive, of those that answer; at least 1.
+fn busiest(driven: &[(u32, f32)]) -> f32 {
+    let mut heard: Vec<u32> = driven.iter().filter(|(_, answer)| *answer != 0.0).map(|(k, _)| *k).collect();
+    heard.sort_unstable();
+    heard.chunk_by(|a, b| a == b).map(<[u32]>::len).max().unwrap_or(1) as f32
+}
+
 /// M for each octave of harmonics: with it, a full-scale band that drives one of them at the mapping's
 /// largest amplification moves it by the calibrated share of the box, or by the matching steepness,
 /// whichever comes first. Choir and harmonics in use are ignored, so that muting some does not make the
 /// rest louder.
-fn calibrate(targets: &[u32], amplification: &[f32], dancer: &Dancer, playing: Playing) -> Vec<f32> {
+fn calibrate(driven: &[(u32, f32)], dancer: &Dancer, playing: Playing) -> Vec<f32> {
     let wanted = Reach {
         displacement: playing.calibration * dancer.box_diagonal,
         steepness: playing.calibration * playing.form.steepness(),
     };
     let mut octaves: Vec<f32> = Vec::new();
     let mut loudest = 0.0f32;
-    for &k in targets.iter().filter(|k| amplification[**k as usize] != 0.0) {
+    for &(k, answer) in driven.iter().filter(|(k, answer)| *answer != 0.0 && moves(*k, dancer, playing.form))
+    {
         let reach = dancer.reach(playing.form, k);
-        // Rounding noise is not a movement to be calibrated: such a harmonic stays at rest.
-        if reach.displacement <= 1e-6 * dancer.box_diagonal {
-            continue;
-        }
         let octave = dancer.octave(dancer.unison(k).start);
         octaves.resize(octaves.len().max(octave + 1), f32::INFINITY);
         let steep = if reach.steepness > 0.0 { wanted.steepness / reach.steepness } else { f32::INFINITY };
         octaves[octave] = octaves[octave].min(wanted.displacement / reach.displacement).min(steep);
-        loudest = loudest.max(amplification[k as usize].abs());
+        loudest = loudest.max(answer.abs());
     }
     octaves.resize(dancer.octave(dancer.harmonics() as u32 - 1) + 1, f32::INFINITY);
     octaves.into_iter().map(|m| if m.is_finite() { m / loudest } else { 0.0 }).collect()

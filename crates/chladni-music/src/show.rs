@@ -191,6 +191,10 @@ impl Show {
         if version == 2 {
             show.beginning = show.beginning.of_version_2();
         }
+        if version < 4 {
+            let as_then = |line: LoggedAction| LoggedAction { action: line.action.of_version_3(), ..line };
+            show.actions = show.actions.into_iter().map(as_then).collect();
+        }
         show.beginning = show.beginning.of_a_show();
         show.read_from_version = version;
         // From there nothing is seen: no reason to refuse all the rest.

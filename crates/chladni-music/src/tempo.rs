@@ -269,8 +269,10 @@ impl Tempo {
             self.grid = Some(Grid { quarters, at_secs: at_secs + gap_secs, ..grid });
         }
         self.ticks.clear();
-        self.origin = (count - quarters * self.beats_per_quarter()).round();
-        self.told_bar = None;
+        let beats = quarters * self.beats_per_quarter();
+        self.origin = (count - beats).round();
+        // The bar of this place is new. What is shown may lag behind the message: no bar before it begins.
+        self.told_bar = self.grid.map(|_| (beats / QUARTERS_PER_BAR).floor() - 1.0);
     }
 
     fn set_tempo(&mut self, bpm: f64, at_secs: f64) {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::MusicError;
 
 /// The format version of preset and show files that this program writes.
-pub const FORMAT_VERSION: u32 = 3;
+pub const FORMAT_VERSION: u32 = 4;
 
 #[derive(Deserialize)]
 struct Version {

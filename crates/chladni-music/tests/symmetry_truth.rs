@@ -84,6 +84,23 @@ fn built_in_mirror_shape() {
     assert!(matches!(symmetry.method, SymmetryMethod::Mirror(plane) if plane.normal[0] > 0.999));
 }
 
+/// In its own plane every harmonic would be symmetric, and the side signal would move nothing.
+#[test]
+fn a_flat_rectangle_has_antisymmetric_harmonics_however_it_stands() {
+    for axis in 0..3 {
+        let mut mesh = samples::grid_square(15);
+        for p in &mut mesh.positions {
+            let [x, y, _] = *p;
+            *p = [0.0; 3];
+            (p[(axis + 1) % 3], p[(axis + 2) % 3]) = (x, 0.7 * y);
+        }
+        let body = Body::build(&mesh, &BasisSettings::new(30), &Task::new()).unwrap();
+        let symmetry = Symmetry::of(&body, &Task::new()).unwrap();
+        let antisymmetric = symmetry.classes.iter().filter(|c| **c == Class::Antisymmetric).count();
+        assert!((8..=22).contains(&antisymmetric), "{antisymmetric} of 30 by {:?}", symmetry.method);
+    }
+}
+
 #[test]
 fn scorpion_spot_and_face() {
     for name in ["shapes/scorpion_low_resolution.obj", "animals/spot.obj", "heads/face.obj"] {

@@ -5,10 +5,6 @@ use std::f32::consts::FRAC_PI_2;
 /// The longest crossfade between songs.
 pub const LONGEST_CROSSFADE_SECS: f64 = 12.0;
 
-/// Sounds that do not follow from each other, at a jump, a pause or a change of volume, are joined within this time:
-/// without, they would click.
-pub const SEAM_SECS: f32 = 0.008;
-
 /// How loud the song that begins is at this share of a crossfade, in [0, 1]; the one that ends is as loud
 /// as this at the rest of it. The powers of both add up to one.
 pub fn crossfade_gain(share: f64) -> f32 {

@@ -37,6 +37,7 @@ mod history;
 mod onset;
 #[cfg(feature = "devices")]
 mod player;
+mod seam;
 mod spectrum;
 mod structure;
 mod tune;
@@ -46,7 +47,7 @@ pub use beat::{BeatFollower, BeatMoment, BeatScore, Beats, beat_score, track_bea
 #[cfg(feature = "devices")]
 pub use capture::{Capture, CaptureFeed, CaptureKind, CaptureLevel, CaptureSource, capture_sources};
 pub use clicks::clicks;
-pub use crossfade::{LONGEST_CROSSFADE_SECS, SEAM_SECS, crossfade_gain};
+pub use crossfade::{LONGEST_CROSSFADE_SECS, crossfade_gain};
 pub use decode::{
     SONG_EXTENSIONS, Song, SongOptions, SongReader, SongTags, StereoResampler, WavSample, wav_bytes,
     write_wav,
@@ -55,9 +56,10 @@ pub use error::SoundError;
 pub use onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 #[cfg(feature = "devices")]
 pub use player::{
-    MOST_AHEAD_SECS, OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat,
-    output_devices,
+    HeardTo, MOST_AHEAD_SECS, OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus,
+    Repeat, output_devices,
 };
+pub use seam::{SEAM_SECS, Seam};
 pub use spectrum::{FrontEnd, Hop, Level, SongSpectrum, Spectrum, SpectrumAnalyzer, SpectrumSettings};
 pub use structure::{Bar, ENERGY_RATE_HZ, HeardBar, Section};
 pub use tune::{TUNE_BPM, TUNE_RATE_HZ, sample_tune, sample_tune_beats_secs};

@@ -105,6 +105,26 @@ fn beats_and_bars_do_not_depend_on_how_much_sound_comes_at_once() {
 }
 
 #[test]
+fn noise_before_a_song_and_silence_behind_it_change_no_beat() {
+    let tune = sample_tune();
+    let rate = tune.rate_hz as usize;
+    let mut state = 1u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (f64::from(state) / f64::from(u32::MAX) - 0.5) as f32 / 500.0
+    };
+    let before: Vec<f32> = (0..30 * rate).map(|_| noise()).collect();
+    let around = |channel: &[f32]| [&before[..], channel, &vec![0.0; 60 * rate]].concat();
+    let song = Song { rate_hz: tune.rate_hz, left: around(&tune.left), right: around(&tune.right) };
+    let found = track_beats(&song, &Task::new()).unwrap();
+    let truth: Vec<f64> = sample_tune_beats_secs().iter().map(|secs| secs + 30.0).collect();
+    let score = beat_score(&found.beats_secs, &truth, 0.07);
+    assert!(score.f_measure > 0.9, "{score:?}");
+    assert!(found.beats_secs.iter().all(|secs| (27.9..30.1 + tune.duration_secs()).contains(secs)));
+    assert!((found.tempo_bpm / TUNE_BPM - 1.0).abs() < 0.01, "{}", found.tempo_bpm);
+}
+
+#[test]
 fn nothing_has_no_beat() {
     let silence = Song { rate_hz: 44_100, left: vec![0.0; 200_000], right: vec![0.0; 200_000] };
     let empty = Song { rate_hz: 44_100, left: Vec::new(), right: Vec::new() };

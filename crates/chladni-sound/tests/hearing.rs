@@ -337,6 +337,21 @@ fn the_noise_before_a_song_does_not_move_what_the_song_moves() {
 }
 
 #[test]
+fn the_noise_of_sixteen_bits_alone_moves_nothing() {
+    let mut state = 1u32;
+    let mut dither = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        ((state >> 16) % 3) as f32 / 32_768.0 - 1.0 / 32_768.0
+    };
+    let left: Vec<f32> = (0..4 * RATE_HZ).map(|_| dither()).collect();
+    let song = Song { rate_hz: RATE_HZ, right: left.clone(), left };
+    for is_known in [true, false] {
+        let heard = loudest(song.clone(), is_known, &[1.0, 3.0]);
+        assert!(heard.iter().all(|loudest| *loudest < 0.1), "{heard:?}");
+    }
+}
+
+#[test]
 fn a_soft_passage_is_shown_softer_by_half_of_its_decibels() {
     let song = || passages(&[(0.5, 8.0), (0.05, 8.0), (0.5, 8.0)]);
     let db = |heard: &[f32], i: usize| 20.0 * (heard[i] / heard[0]).log10();

@@ -21,8 +21,6 @@ pub const WHOLE_HEIGHTS: f32 = 0.94;
 pub const CROPPED_HEIGHTS: f32 = 1.4;
 /// The same of a figure seen from near, whose upper part fills the picture.
 pub const NEAR_HEIGHTS: f32 = 1.8;
-/// How far the lower end sinks, as a share of how far the upper one rises.
-const SINKS: f32 = 0.3;
 /// The point looked at is at most this many pictures below the upper end.
 const DEEPEST: f32 = 0.8;
 /// The least distance of an eye from a shape, as a share of the shape's reach about the point looked at.
@@ -39,6 +37,8 @@ pub struct Filling {
 pub struct Headroom {
     /// How far its upper end rises, in the shape's units.
     pub rises: f32,
+    /// How far its lower end sinks, in the same units.
+    pub sinks: f32,
     /// How far its sides move outward, in the same units.
     pub spreads: f32,
     /// [`WHOLE_HEIGHTS`], [`CROPPED_HEIGHTS`] or [`NEAR_HEIGHTS`].
@@ -105,7 +105,7 @@ fn distance(camera: &Camera, points: &[[f32; 3]], aspect: f32, share: f32, room:
     for _ in 0..HALVINGS {
         let distance = (low * high).sqrt();
         let lift = lift(&seen, room.rises, distance, tan_y);
-        if heights(&seen, room.rises, distance) > 2.0 * tan_y * room.most_heights
+        if heights(&seen, room, distance) > 2.0 * tan_y * room.most_heights
             || width(&seen, room.spreads, distance) > tan_y * aspect * room.most_widths
             || covered(&seen, distance, lift, tan_y, aspect) > share
         {
@@ -118,10 +118,10 @@ fn distance(camera: &Camera, points: &[[f32; 3]], aspect: f32, share: f32, room:
 }
 
 /// How high the shape is seen, at a distance of 1, when its upper end has risen and its lower end has sunk.
-fn heights(seen: &[Vec3], rises: f32, distance: f32) -> f32 {
+fn heights(seen: &[Vec3], room: Headroom, distance: f32) -> f32 {
     let (low, high) = seen.iter().fold((0.0f32, 0.0f32), |(low, high), p| {
         let depth = distance - p.z;
-        (low.min((p.y - SINKS * rises) / depth), high.max((p.y + rises) / depth))
+        (low.min((p.y - room.sinks) / depth), high.max((p.y + room.rises) / depth))
     });
     high - low
 }
@@ -194,7 +194,8 @@ mod tests {
     }
 
     fn whole(rises: f32) -> Headroom {
-        Headroom { rises, spreads: 0.0, most_heights: WHOLE_HEIGHTS, most_widths: f32::INFINITY }
+        let (most_heights, most_widths) = (WHOLE_HEIGHTS, f32::INFINITY);
+        Headroom { rises, sinks: 0.3 * rises, spreads: 0.0, most_heights, most_widths }
     }
 
     #[test]
@@ -259,7 +260,7 @@ mod tests {
                 (p.dot(up) + rises) / (edge * (distance - p.dot(back)))
             };
             let high = points.iter().map(|p| height(p, room.rises)).fold(f32::MIN, f32::max);
-            let low = points.iter().map(|p| height(p, -SINKS * room.rises)).fold(f32::MAX, f32::min);
+            let low = points.iter().map(|p| height(p, -room.sinks)).fold(f32::MAX, f32::min);
             assert!(high < TOP + 1e-3 && low > -1.0, "from {yaw_rad}, {pitch_rad}: {low} to {high}");
         }
     }

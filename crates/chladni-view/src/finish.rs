@@ -11,6 +11,8 @@ pub struct Finish {
     /// Where the focus is: from the camera's target towards the viewer, as a share of its reach, in [−1, 1]. A fifth of
     /// the reach on either side is as sharp.
     pub focus: f32,
+    /// Whether the blur stays in a look that takes its place.
+    pub keeps_blur: bool,
     /// Trails: how long light stays visible, in seconds until a third of it is left; 0 for no trails.
     pub trail_secs: f32,
     /// How fast trails grow from the middle, in sizes per second; below 0 they shrink.
@@ -56,6 +58,7 @@ impl Finish {
     pub const NOTHING: Self = Self {
         blur: 0.0,
         focus: 0.25,
+        keeps_blur: false,
         trail_secs: 0.0,
         trail_growth: 0.0,
         bloom: 0.0,

@@ -71,10 +71,13 @@ impl Look {
         Self::PRESETS.iter().find(|(known, _)| *known == name).map(|(_, look)| *look)
     }
 
-    /// This look in the place of another one. A viewer's wishes for all looks stay: a shape's own colors, and the effects
-    /// that are left out.
+    /// This look in the place of another one. A viewer's wishes for all looks stay: a shape's own colors, the effects that
+    /// are left out, and a blur that is [kept](Finish::keeps_blur).
     pub fn in_place_of(self, other: &Self) -> Self {
-        let finish = self.finish.without_all(other.finish.left_out);
+        let mut finish = self.finish.without_all(other.finish.left_out);
+        if other.finish.keeps_blur {
+            (finish.blur, finish.keeps_blur) = (other.finish.blur, true);
+        }
         Self { own_colors: other.own_colors, finish, ..self }
     }
 

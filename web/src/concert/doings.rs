@@ -3,7 +3,7 @@
 use chladni_music::{
     Action, Describer, Instrument, Looks, Moment, Switch, experiment, suggest, without_sand,
 };
-use chladni_program::work::{Error, Programme, opening_looks, opening_view};
+use chladni_program::work::{Error, Programme, look_named, opening_looks, opening_view};
 use chladni_view::Camera;
 use wasm_bindgen::prelude::*;
 
@@ -134,7 +134,8 @@ impl Concert {
         let favorites =
             favorites.map(|item| self.instrument.preset(item, self.instrument.tags(item.id))).collect();
         let programme = Programme::new(&self.instrument, favorites, at_secs, draw)?;
-        let mut programme = programme.on_sheet(self.staging.is_flat());
+        let own = look_named(&self.looks).0;
+        let mut programme = programme.on_sheet(self.staging.is_flat()).opening_in(&own);
         let actions = programme.step(at_secs, true, &self.instrument);
         self.programme = Some(programme);
         for action in actions {

@@ -35,7 +35,7 @@ impl Live {
         ear.beats = BeatCount::from(gone);
         let silence = vec![0.0; ear.frames(Ear::LONGEST_SECS)];
         let (left, right) = (silence.clone(), silence);
-        let director = Director::live(instrument.seed());
+        let director = Director::live(instrument.seed(), 0.0);
         let beat = Beat { count: gone, confidence: 0.0 };
         let (last_secs, quiet_secs, bars) = (0.0, None, Vec::new());
         Ok(Self { rate_hz, ear, left, right, last_secs, quiet_secs, beat, director, bars })

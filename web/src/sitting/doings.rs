@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use chladni_caricature::{Action, Layer, LayerId, Property, ScaleCurve};
 use chladni_mesh::Axis;
+use chladni_program::work::landmarks::HALF_A_LANDMARK;
 use chladni_program::work::{
     Aside, Error, MAY_FOLD, Parts, STARTING_POINTS, Stance, furthest_mu, layer_against, layer_since,
     template_from,
@@ -13,6 +14,7 @@ use chladni_view::{Camera, View};
 use wasm_bindgen::prelude::*;
 
 use super::Sitting;
+use super::landmarks::Landmarks;
 
 #[wasm_bindgen]
 impl Sitting {
@@ -49,6 +51,11 @@ impl Sitting {
     /// # Errors
     /// Bugs only.
     pub fn undo(&mut self) -> Result<Option<String>, JsError> {
+        // Half a landmark is not in the history yet: it is taken back first.
+        if self.landmarks.as_mut().is_some_and(Landmarks::drop_pending) {
+            self.refresh()?;
+            return Ok(Some(HALF_A_LANDMARK.into()));
+        }
         let label = self.history.undo();
         self.refresh()?;
         Ok(label.map(Into::into))

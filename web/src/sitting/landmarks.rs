@@ -46,6 +46,16 @@ impl Landmarks {
         &self.sides[which as usize]
     }
 
+    /// Whether half a pair waits for its other half.
+    pub fn has_pending(&self) -> bool {
+        self.picks.pending().is_some()
+    }
+
+    /// Forgets half a pair; false where there was none.
+    pub fn drop_pending(&mut self) -> bool {
+        self.picks.drop_pending()
+    }
+
     pub fn camera(&mut self) -> &mut Camera {
         &mut self.sides[self.on as usize].camera
     }

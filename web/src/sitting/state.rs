@@ -3,11 +3,13 @@
 use chladni_caricature::{Layer, LayerId, LayerState, Model, Painted, ScaleCurve, Smoothing};
 use chladni_match::{Landmark, Method, Scaling};
 use chladni_mesh::Axis;
+use chladni_program::work::landmarks::HALF_A_LANDMARK;
 use chladni_program::work::{STARTING_POINTS, results, template_name, template_text};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
 use super::Sitting;
+use super::landmarks::Landmarks;
 use super::matches::head_sliders_of;
 use super::seeing::ShownHeat;
 
@@ -107,6 +109,7 @@ impl Sitting {
     pub fn state(&self) -> Result<String, JsError> {
         let project = self.history.project();
         let up = project.stands.and_then(|stands| Axis::of(stands.up()));
+        let is_half = self.landmarks.as_ref().is_some_and(Landmarks::has_pending);
         let state = State {
             shape: project.shape.to_string(),
             vertices: self.mesh.positions.len(),
@@ -116,7 +119,7 @@ impl Sitting {
             layers: project.layers().iter().map(|(id, layer)| self.shown(*id, layer)).collect(),
             results: results(project).iter().map(|(id, layer)| (*id, layer.name.as_str())).collect(),
             selected: self.selected,
-            undo: self.history.undo_label(),
+            undo: if is_half { Some(HALF_A_LANDMARK) } else { self.history.undo_label() },
             redo: self.history.redo_label(),
             modified: self.history.is_modified(),
             keep_triangles: project.keep_triangles,

@@ -105,6 +105,21 @@ fn uneven(pieces: u32) -> chladni_mesh::TriMesh {
     copies(&ball, pieces, placed)
 }
 
+#[test]
+fn the_distance_model_leaves_pieces_for_which_there_are_too_few_harmonics() {
+    let mesh = balls(&chladni_mesh::samples::icosphere(1));
+    let body = Arc::new(Body::build(&mesh, &BasisSettings::new(4), &Task::new()).unwrap());
+    let mut stack = Stack::new(body.clone()).unwrap();
+    let mut project = Project::new(ShapeSource::Sample("balls".into()), 4);
+    project.push(Layer { model: Model::Distance, mu: -2.4, ..Layer::new("", Template::Ellipsoid) }).unwrap();
+    for request in stack.missing(&project) {
+        let matched = request.run(&mesh, &body, None, &Task::new());
+        stack.install(request, matched);
+    }
+    let result = stack.evaluate(&project).file_positions(&body, &mesh.positions);
+    assert!(largest(&result, &mesh.positions) < 1e-9, "{}", largest(&result, &mesh.positions));
+}
+
 /// A constant has a place and no shape: on triangles of unlike size, on a layer that starts from the result
 /// of another, and of two pieces, the distance model moves no piece as a whole, and so tears no region out.
 #[test]

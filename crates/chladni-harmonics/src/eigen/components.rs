@@ -309,12 +309,11 @@ fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, wanted: Wanted) -> Resu
         max_orthogonality_error: 0.0,
     };
     let mut profile = Profile::default();
-    let (mut fell_back_to_dense, mut is_dense) = (false, false);
+    let mut fell_back_to_dense = false;
     for (_, solved) in &parts {
         certificate = certificate.and(&solved.basis.certificate);
         profile.add(&solved.profile);
         fell_back_to_dense |= solved.fell_back_to_dense;
-        is_dense |= solved.is_dense;
     }
     // Each component is freed as soon as it is written: the vectors are in memory only once.
     parts.into_par_iter().zip(columns).with_max_len(1).for_each(|((vertices, solved), columns)| {
@@ -323,5 +322,5 @@ fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, wanted: Wanted) -> Resu
         }
     });
     let basis = Basis { eigenvalues, vectors, mass: pencil.mass.to_vec(), certificate };
-    Ok(Solved { basis, cuts_cluster, fell_back_to_dense, is_dense, short_of_memory: None, profile })
+    Ok(Solved { basis, cuts_cluster, fell_back_to_dense, short_of_memory: None, profile })
 }

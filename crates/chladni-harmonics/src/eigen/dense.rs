@@ -53,7 +53,6 @@ pub(super) fn solve(
         basis,
         cuts_cluster: keep < cluster_end,
         fell_back_to_dense: false,
-        is_dense: true,
         short_of_memory: None,
         profile: SolveProfile::default(),
     })

@@ -60,8 +60,6 @@ pub(crate) struct Solved {
     pub cuts_cluster: bool,
     /// Whether the slices could not be certified, and everything was solved as a dense matrix instead.
     pub fell_back_to_dense: bool,
-    /// Whether a part at least was solved as a dense matrix, for whatever reason.
-    pub is_dense: bool,
     pub short_of_memory: Option<ShortOfMemory>,
     pub profile: SolveProfile,
 }
@@ -262,7 +260,6 @@ fn constant(pencil: Pencil) -> Solved {
         basis,
         cuts_cluster: false,
         fell_back_to_dense: false,
-        is_dense: false,
         short_of_memory: None,
         profile: SolveProfile::default(),
     }

@@ -83,14 +83,7 @@ pub(super) fn solve(
         assemble::assemble(problem, pencil, slices, &known, Wanted { harmonics: keep, ..wanted }, task)?;
     profile.assemble = start.elapsed().as_secs_f64();
     stage.advance((harmonics - share * count) as u64);
-    Ok(Solved {
-        basis,
-        cuts_cluster,
-        fell_back_to_dense: false,
-        is_dense: false,
-        short_of_memory: None,
-        profile,
-    })
+    Ok(Solved { basis, cuts_cluster, fell_back_to_dense: false, short_of_memory: None, profile })
 }
 
 /// Joins the slices, and searches again wherever a count shows that a pair is missing. The group of the K-th

@@ -79,10 +79,15 @@ fn plane(points: &[Vec3], around: &[u32]) -> [Vec3; 2] {
     [x, y]
 }
 
-/// Whether a, b and c turn left.
-fn turns_left(a: Inverted, b: Inverted, c: Inverted) -> bool {
+/// Whether a, b and c turn left by more than `least`, the sine of an angle.
+fn turns_left_by(least: f64, a: Inverted, b: Inverted, c: Inverted) -> bool {
     let [u, v] = [(a, b), (b, c)].map(|(p, q)| [q.at[0] - p.at[0], q.at[1] - p.at[1]]);
-    u[0] * v[1] - u[1] * v[0] > NOTHING * (u[0].hypot(u[1]) * v[0].hypot(v[1]))
+    u[0] * v[1] - u[1] * v[0] > least * (u[0].hypot(u[1]) * v[0].hypot(v[1]))
+}
+
+/// Whether a, b and c turn left by more than rounding.
+fn turns_left(a: Inverted, b: Inverted, c: Inverted) -> bool {
+    turns_left_by(NOTHING, a, b, c)
 }
 
 /// The corners of the convex hull, counterclockwise (Andrew 1979); sorts the points.
@@ -95,7 +100,7 @@ fn convex_hull(points: &mut [Inverted]) -> Vec<Inverted> {
         let first = hull.len();
         for point in points {
             while let [.., a, b] = hull[first..] {
-                if turns_left(a, b, *point) {
+                if turns_left_by(0.0, a, b, *point) {
                     break;
                 }
                 hull.pop();
@@ -106,6 +111,14 @@ fn convex_hull(points: &mut [Inverted]) -> Vec<Inverted> {
     };
     half(&mut points.iter());
     half(&mut points.iter().rev());
+    // Points on one side are sorted out of order where rounding alone tells their x apart. With a tolerance above they would
+    // take true corners out, so corners that are none but for rounding go afterward.
+    while hull.len() > 3 {
+        let n = hull.len();
+        let is_none = |i: &usize| !turns_left(hull[(i + n - 1) % n], hull[*i], hull[(i + 1) % n]);
+        let Some(i) = (0..n).find(is_none) else { break };
+        hull.remove(i);
+    }
     hull
 }
 

@@ -44,7 +44,7 @@ fn a_knob_is_learned_turned_and_forgotten() {
     assert_eq!(read.import(&text).unwrap(), 1);
     assert_eq!(read.list(), bindings.list());
     assert_eq!(read.list()[0].device, "desk");
-    assert!(read.import("format_version = 3\nbinding = 7").is_err());
+    assert!(read.import("format_version = 4\nbinding = 7").is_err());
     bindings.forget(0);
     bindings.forget(0);
     assert_eq!(touch(&mut bindings, &knob(7, 127), &parameters), None);
@@ -54,7 +54,7 @@ fn a_knob_is_learned_turned_and_forgotten() {
 fn bindings_of_earlier_builds_are_read_and_those_of_newer_ones_named() {
     let text = |target: &str| {
         let control = "control = { kind = \"note\", channel = 0, number = 1 }";
-        format!("format_version = 3\n[[binding]]\n{control}\ntarget = \"{target}\"\n")
+        format!("format_version = 4\n[[binding]]\n{control}\ntarget = \"{target}\"\n")
     };
     for (name, target) in [
         ("favourite", Target::Favorite),

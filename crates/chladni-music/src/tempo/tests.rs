@@ -178,6 +178,23 @@ fn a_bar_does_not_begin_again_where_the_tempo_cannot_be_doubled_or_halved_furthe
 }
 
 #[test]
+fn a_jump_begins_one_bar() {
+    let two_bars = ClockMessage::Position { quarters: 8.0 };
+    for (jump, octave) in [(ClockMessage::Start, 0), (two_bars, 0), (two_bars, 1), (two_bars, -1)] {
+        let mut tempo = Tempo::default();
+        tempo.set(60.0, 0.0, 0.0);
+        tempo.change_octave(octave, 0.0);
+        assert!(tempo.bar(10.0, 0.5, false).is_some());
+        tempo.hear(jump, 10.5);
+        // The next frame may still show what lies before the message.
+        assert_eq!(tempo.bar(10.49, 0.5, false), None, "{jump:?} {octave}");
+        let bar = tempo.bar(10.51, 0.5, false).unwrap();
+        assert!((bar.at_secs - 10.5).abs() < 1e-9, "{jump:?} {octave}: {bar:?}");
+        assert_eq!(tempo.bar(10.53, 0.5, false), None, "{jump:?} {octave}");
+    }
+}
+
+#[test]
 fn lost_ticks_are_counted() {
     let gap_secs = 0.5 / TICKS_PER_QUARTER;
     // Few are lost, or so many that the clock seems to have been silent.

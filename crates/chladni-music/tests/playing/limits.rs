@@ -176,3 +176,23 @@ fn the_built_in_dances_move_the_samples_and_fold_hardly_any_triangle_at_full_sca
         }
     }
 }
+
+#[test]
+fn no_dance_of_a_gallery_stands_still_where_symmetry_leaves_most_harmonics_at_rest() {
+    let even = vec![0.5; BANDS];
+    let bands = Bands { left: &even, right: &even, mid: &even, side: &even, side_gain: 1.0, ringing: None };
+    for (name, ready) in [("ball", ready_of(&samples::icosphere(3))), ("ring", ready("ring"))] {
+        let shape = GalleryShape { eigenvalues: ready.dancer.eigenvalues.clone(), bands: BANDS };
+        for seed in 0..4 {
+            let instrument = Instrument::new(seed, 12, shape.clone()).unwrap();
+            for (place, item) in instrument.gallery().items().iter().enumerate() {
+                for form in [Form::Filter, Form::Modal, Form::HalfMask] {
+                    let playing = Playing { form, ..Playing::default() };
+                    let moved = farthest(&displacements(&ready, &item.genome, &bands, playing));
+                    let share = moved / f64::from(ready.dancer.box_diagonal);
+                    assert!(share > 1e-3, "{name}, seed {seed}, dance {place}, {form:?}: {share}");
+                }
+            }
+        }
+    }
+}

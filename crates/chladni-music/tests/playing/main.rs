@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use chladni_harmonics::{BasisSettings, Body};
-use chladni_mesh::{Orientation, samples};
+use chladni_mesh::{Orientation, TriMesh, samples};
 use chladni_music::{
     Action, Bands, Beat, BeatReading, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment,
     Parameters, Player, Playing, Preset, Resonators, Show, SongRef, Switch, Symmetry, TappedBeats, Timbre,
@@ -30,7 +30,11 @@ struct Ready {
 }
 
 fn ready(name: &str) -> Ready {
-    let body = Body::build(&samples::sample(name).unwrap(), &BasisSettings::new(K), &Task::new()).unwrap();
+    ready_of(&samples::sample(name).unwrap())
+}
+
+fn ready_of(mesh: &TriMesh) -> Ready {
+    let body = Body::build(mesh, &BasisSettings::new(K), &Task::new()).unwrap();
     let symmetry = Symmetry::of(&body, &Task::new()).unwrap();
     let body = symmetry.rotated(&body);
     let dancer = Arc::new(Dancer::new(&body, &symmetry.classes, &Orientation::default()).unwrap());

@@ -37,7 +37,7 @@ fn what_was_kept_before_anything_resonated_does_not_resonate() {
     assert!(made.parameters().is_on(Switch::Resonate));
     let text = made.preset(&made.gallery().items()[0], vec![]).to_text().unwrap();
     assert!(Preset::from_text(&text).unwrap().settings.switches[&Switch::Resonate]);
-    let old = text.replace("resonate = true\n", "").replace("format_version = 3", "format_version = 2");
+    let old = text.replace("resonate = true\n", "").replace("format_version = 4", "format_version = 2");
     assert!(!Preset::from_text(&old).unwrap().settings.switches[&Switch::Resonate]);
 }
 
@@ -152,6 +152,34 @@ fn a_favorite_that_is_edited_is_one_dance() {
         instrument.apply(Moment::default(), action).unwrap();
     }
     assert_eq!(instrument.favorites(), &instrument.gallery().items()[2..3]);
+}
+
+#[test]
+fn shows_before_version_4_breed_as_they_did() {
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let line = |what: &str| format!("{{ at_secs = 1.0, at_beat = 0.0, do = {what} }}");
+    let actions = [
+        r#""mutate", item = 2, amount = 0.2"#,
+        r#""choose", item = 0, on = true"#,
+        r#""breed-from", candidates = [0, 1, 2, 3, 4, 5]"#,
+    ];
+    let actions = actions.map(line).join(", ");
+    let of_version = |version: u32| {
+        let text = format!("format_version = {version}\nseed = 5\nsize = 6\nactions = [{actions}]\n");
+        Show::from_text(&text).unwrap().replay(shape.clone()).unwrap()
+    };
+    let (old, new) = (of_version(3), of_version(4));
+    let gain = |instrument: &Instrument, place: usize, generation: usize| {
+        instrument.gallery().generations()[generation].items[place].genome.gain
+    };
+    assert_eq!(gain(&old, 2, 0), gain(&old, 2, 1), "the gain of a mutant was its parent's");
+    assert_ne!(gain(&new, 2, 0), gain(&new, 2, 1));
+    // The candidates are mutants of the only one that is chosen.
+    assert!((0..6).all(|place| gain(&old, place, 2) == gain(&old, 0, 1)));
+    assert!((0..6).any(|place| gain(&new, place, 2) != gain(&new, 0, 1)));
+    // And still do when they are saved again.
+    let again = Show::from_text(&Show::of(&old).to_text().unwrap()).unwrap();
+    assert_eq!(again.replay(shape.clone()).unwrap().gallery().items(), old.gallery().items());
 }
 
 #[test]

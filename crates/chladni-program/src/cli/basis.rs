@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use chladni_harmonics::npz::{write_basis, write_basis_folder, write_operator};
 use chladni_harmonics::{
-    BasisSettings, Body, BuildReport, CoverReport, HarmonicsError, InnerSolver, Laplacian, Operator, Ranks,
-    RanksReport,
+    BasisSettings, Body, BuildReport, CoverReport, HarmonicsError, InnerSolver, Laplacian, MOST_THREADS,
+    Operator, Ranks, RanksReport,
 };
 use chladni_mesh::weld;
 use chladni_task::{Task, counted};
@@ -37,7 +37,7 @@ pub struct Args {
     /// Print what was solved, how long it took and the certificate as JSON.
     #[arg(long)]
     json: bool,
-    /// Worker threads (all of the machine's by default), at most 1024. The result does not depend on it.
+    /// Worker threads, at most 1024 [default: 0, all of the machine's]. The result does not depend on it.
     #[arg(long)]
     threads: Option<usize>,
     /// Memory in GB that the solve may take [default: what is free]. What does not fit is kept in --scratch.
@@ -182,6 +182,11 @@ impl Args {
         let ranks = self.on.of(self.engine, &scratch)?;
         if ranks.is_some() && self.threads.is_some() {
             return Err(Error::input("--threads is for Chladni's own solver; SLEPc has --ranks"));
+        }
+        // A basis from the cache would never ask for them.
+        if let Some(threads) = self.threads.filter(|threads| *threads > MOST_THREADS) {
+            let too_many = HarmonicsError::TooManyThreads { threads, most: MOST_THREADS };
+            return Err(Error::from(too_many).of("--threads"));
         }
         let mesh = source::mesh(&self.mesh, terminal)?;
         let named = |error: HarmonicsError| Error::from(error).of(self.mesh.display());

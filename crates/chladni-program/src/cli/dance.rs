@@ -73,7 +73,7 @@ pub struct Dance {
     duration: Option<f64>,
     /// Seed of all that is random: the reactions to the beat and, without preset, a mapping bred from the
     /// gallery of this seed instead of the direct one. A show has its own.
-    #[arg(long, conflicts_with = "show")]
+    #[arg(long, value_parser = super::layer_options::seed, conflicts_with = "show")]
     seed: Option<u64>,
     /// Dance as this preset says.
     #[arg(long, value_name = "P.toml", conflicts_with = "show")]
@@ -159,8 +159,8 @@ pub struct Dance {
     /// Light from all around, which shapes mirror: an HDR, PNG or JPEG file of all directions, twice as wide as high.
     #[arg(long, value_name = "FILE")]
     panorama: Option<String>,
-    /// How soft is what is not in focus, percent: what lies before or behind the front of the shape. That of the look unless
-    /// given; 0 is sharp everywhere.
+    /// How soft is what is not in focus, percent: what lies before or behind the front of the shape. That of each look
+    /// unless given; 0 is sharp everywhere.
     #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(0..=100))]
     blur: Option<u8>,
     /// Leave these effects out of every look, also of those that come on stage: trails, glow, dark corners, grain. With a
@@ -235,6 +235,11 @@ impl Dance {
     /// The film that is meant by the arguments.
     fn film(self, terminal: &Terminal) -> Result<Film, Error> {
         let (changes, output) = (self.changes()?, self.output(terminal)?);
+        if self.picture.is_some() && self.is_transparent() {
+            return Err(Error::input(
+                "--picture stands in the place of a background: leave out --background transparent",
+            ));
+        }
         let mut film = match (&self.show, &self.mesh, &self.song) {
             (Some(path), ..) => self.film_of_show(path, output, terminal)?,
             (None, Some(body), Some(song)) => {
@@ -250,8 +255,7 @@ impl Dance {
         film.duration_secs = self.duration;
         // A shape's own colors stay under any look.
         let is_colored = matches!(self.palette, Some(Coloring::By(_)));
-        film.beginning.keeps_look =
-            self.look.is_some() || is_colored || self.blur.is_some() || self.chooses_parts();
+        film.beginning.keeps_look = self.look.is_some() || is_colored || self.chooses_parts();
         film.look = self.look(film.look);
         film.picture = self.picture.clone().unwrap_or(film.picture);
         film.panorama = self.panorama.clone().unwrap_or(film.panorama);
@@ -282,6 +286,9 @@ impl Dance {
         }
         if pipe.is_some() && self.json {
             return Err(Error::input("-o - and --json would both write to standard output"));
+        }
+        if pipe.is_some() && self.resume {
+            return Err(Error::input("--resume is for files: -o - has none"));
         }
         let is_mp4 = |path: &&PathBuf| FilmFormat::of(path).is_ok_and(|format| format == FilmFormat::Mp4);
         if let (Some(film), Some(Background::TRANSPARENT)) = (file.as_ref().filter(is_mp4), self.background) {
@@ -337,6 +344,7 @@ impl Dance {
             (!self.without.is_empty(), "--without"),
             (self.yaw.is_some(), "--yaw"),
             (self.samples.is_some(), "--samples"),
+            (self.synthesis != Backend::Auto, "--synthesis"),
             (self.titles, "--titles"),
             (self.allow_flashes, "--allow-flashes"),
             (self.flash_fields, "--flash-fields"),
@@ -394,14 +402,21 @@ impl Dance {
 
     /// The looks of a show in `folder`, whose picture and panorama were found; without what the arguments replace.
     fn scenery(&self, mut looks: Looks, folder: Option<&Path>, terminal: &Terminal) -> Looks {
-        for (given, named) in [(&self.picture, &mut looks.picture), (&self.panorama, &mut looks.panorama)] {
-            if given.is_some() {
-                named.clear();
-            }
+        // A picture is part of the background, so none need be opened where that is transparent.
+        if self.picture.is_some() || self.is_transparent() {
+            looks.picture.clear();
+        }
+        if self.panorama.is_some() {
+            looks.panorama.clear();
         }
         let (looks, warnings) = resolve_looks(looks, folder);
         terminal.warn_each(warnings);
         looks
+    }
+
+    /// Whether nothing is to stand behind the shape.
+    fn is_transparent(&self) -> bool {
+        self.background == Some(Background::TRANSPARENT)
     }
 
     /// Whether the arguments name parts of a scene, which a whole one may not suit.
@@ -427,7 +442,9 @@ impl Dance {
         }
         look.lights = self.lights.unwrap_or(look.lights);
         look.background = self.background.unwrap_or(look.background);
-        look.finish.blur = self.blur.map_or(look.finish.blur, blur);
+        if let Some(percent) = self.blur {
+            (look.finish.blur, look.finish.keeps_blur) = (blur(percent), true);
+        }
         look.finish = self.without.iter().fold(look.finish, |finish, effect| finish.without(*effect));
         look
     }

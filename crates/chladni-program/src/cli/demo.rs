@@ -74,7 +74,7 @@ fn caricature(folder: &Path, terminal: &Terminal) -> Result<(), Error> {
     // The sample has no colors of its own.
     let from = portrait.camera(&name, &made.sculpture.subject.mesh, project.stands, made.stands, terminal)?;
     let view = (from, portrait.size());
-    portrait::render(&mut made, None, &project, &picture, view, &sheet, &ink, terminal)?;
+    portrait::render(&mut made, None, &project, &picture, view, (&sheet, false), &ink, terminal)?;
     terminal.wrote(&picture)
 }
 

@@ -68,7 +68,7 @@ pub fn scaling(rigid: bool) -> Scaling {
 }
 
 /// Reads a seed. Project files are TOML, whose whole numbers end at 2⁶³ − 1.
-fn seed(text: &str) -> Result<u64, Error> {
+pub(super) fn seed(text: &str) -> Result<u64, Error> {
     let fits = |seed: &u64| i64::try_from(*seed).is_ok();
     number(text, fits, format_args!("a whole number from 0 to {}", i64::MAX))
 }
@@ -129,6 +129,11 @@ impl LayerOptions {
     /// The seed that is given.
     pub fn seed(&self) -> Option<u64> {
         self.seed
+    }
+
+    /// Whether a scale curve is given.
+    pub fn names_curve(&self) -> bool {
+        self.scale_curve.is_some()
     }
 
     /// Whether it is matched vertex by vertex, for which all are needed.

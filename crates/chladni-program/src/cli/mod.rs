@@ -17,6 +17,7 @@ mod limbs;
 mod mask;
 mod match_shapes;
 mod mean;
+mod movement;
 mod number;
 mod open;
 mod part_output;

@@ -11,10 +11,11 @@ use chladni_view::{
 
 use super::Terminal;
 use super::ink::InkOptions;
+use super::movement::say_movement;
 use super::sheet::{self, Panel, Portrayed, SheetOptions};
 use super::stance::StanceOptions;
 use crate::work::outputs::check_size;
-use crate::work::{Error, Inked, Made, OwnLook, Sculpture, Stance, Watcher, settled, write_file};
+use crate::work::{Error, Inked, Made, OwnLook, Sculpture, Stance, settled, write_file};
 
 /// Where the viewer of a picture stands, and how large the picture is.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
@@ -98,21 +99,22 @@ fn pixels(text: &str) -> Result<[u32; 2], Error> {
 }
 
 /// Draws the panels that `sheet` asks for; the shape before and after, side by side, where it asks
-/// for none. The picture is of this size and seen from where `from` stands; the shape has its `own` look except in ink.
+/// for none. The picture is of this size and seen from where `from` stands; the shape has its `own` look except in ink. Each
+/// μ of a sweep is described; the top layer has the scale curve that is usual for it, where `usual_curve` says so.
 pub fn render(
     made: &mut Made,
     own: Option<&OwnLook>,
     project: &Project,
     path: &Path,
     (from, size): (Camera, [u32; 2]),
-    sheet: &SheetOptions,
+    (sheet, usual_curve): (&SheetOptions, bool),
     ink: &InkOptions,
     terminal: &Terminal,
 ) -> Result<(), Error> {
     let rows = if sheet.show.is_empty() && sheet.sweep.is_empty() {
         None
     } else {
-        Some(rows(&mut made.stack, project, sheet, terminal)?)
+        Some(rows(&mut made.stack, project, (sheet, usual_curve), terminal)?)
     };
     let triangles = &made.sculpture.body.triangles;
     if ink.wanted(path) {
@@ -149,12 +151,12 @@ fn pair(
     (both.into(), placed)
 }
 
-/// The panels of a picture: a row for each μ of the top layer.
+/// The panels of a picture: a row for each μ of the top layer, with its `usual_curve` if that is wanted.
 fn rows(
     stack: &mut Stack,
     project: &Project,
-    sheet: &SheetOptions,
-    watcher: &impl Watcher,
+    (sheet, usual_curve): (&SheetOptions, bool),
+    terminal: &Terminal,
 ) -> Result<Vec<Vec<Portrayed>>, Error> {
     let Some((top, layer)) = project.layers().last() else {
         return Err(Error::input("there is no layer to show"));
@@ -164,9 +166,15 @@ fn rows(
     let mut project = project.clone();
     let mut rows = Vec::with_capacity(sweep.len());
     for &mu in sweep {
-        let action = Action::Set { layer: *top, to: Property::Mu(mu) };
-        project.apply(&action, None)?;
-        let evaluation = settled(stack, &project, watcher)?;
+        project.apply(&Action::Set { layer: *top, to: Property::Mu(mu) }, None)?;
+        if usual_curve {
+            let curve = project.usual_curve(&layer.template, layer.matching.method, mu);
+            project.apply(&Action::Set { layer: *top, to: Property::Curve(curve) }, None)?;
+        }
+        let evaluation = settled(stack, &project, terminal)?;
+        if let Some(layer) = evaluation.layers.last().filter(|_| !sheet.sweep.is_empty()) {
+            say_movement(format_args!("μ = {mu}"), layer, stack, terminal)?;
+        }
         let mut row = Vec::new();
         for &panel in panels {
             row.extend(panel_of(stack, panel, &project, *top, &evaluation));

@@ -2,8 +2,9 @@
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use chladni_sound::{FrontEnd, Level, Song, SoundError, SpectrumAnalyzer, SpectrumSettings};
+use chladni_sound::{FrontEnd, Level, Song, SongSpectrum, SoundError, SpectrumSettings};
 use chladni_task::Task;
 use clap::Args;
 
@@ -75,7 +76,7 @@ impl Spectrum {
         })?;
         let shown_secs = shown.len() as f64 / f64::from(song.rate_hz);
         let fps = self.frames_a_second(shown_secs)?;
-        let moments = Moments { song: &song, from_secs, fps, start_secs: self.start, shown_secs };
+        let moments = Moments { from_secs, fps, start_secs: self.start, shown_secs };
         if self.render.is_some() {
             picture::check(moments.count(), self.bands)?;
         }
@@ -89,14 +90,14 @@ impl Spectrum {
             loud: if self.fixed_level { None } else { Some(song.loud_level()?) },
             ..SpectrumSettings::new(song.rate_hz)
         };
-        let mut analyzer = SpectrumAnalyzer::new(settings)?;
-        let Some(path) = &self.render else { return print_json(terminal, &moments, &mut analyzer) };
+        let mut ear = SongSpectrum::new(Arc::new(song), settings, 0.0)?;
+        let Some(path) = &self.render else { return print_json(terminal, &moments, &mut ear) };
         let mut frames = Vec::new();
         let keep = |frame| {
             frames.push(frame);
             Ok(())
         };
-        terminal.watch("spectrum", |task| moments.analyze(&mut analyzer, task, keep))?;
+        terminal.watch("spectrum", |task| moments.hear(&mut ear, task, keep))?;
         let picture = picture::spectrogram(&frames).map_err(Error::other)?;
         write_file(path, &picture)?;
         terminal.wrote(path)
@@ -106,7 +107,8 @@ impl Spectrum {
     /// long or its level does not matter.
     fn read(&self, watcher: &impl Watcher) -> Result<(Song, f64), Error> {
         source::check_stretch(self.start, self.duration)?;
-        let from_secs = (self.start - AROUND_SECS).max(0.0);
+        // A whole second, from which the song is heard at the same times as from its beginning.
+        let from_secs = (self.start - AROUND_SECS).max(0.0).floor();
         let heard_secs = self.duration.map(|secs| self.start - from_secs + secs + AROUND_SECS);
         let part = || source::song(&self.song, from_secs, heard_secs, watcher).map(|song| (song, from_secs));
         if self.fixed_level {
@@ -137,9 +139,8 @@ impl Spectrum {
 }
 
 /// Moments of a song; i is i / fps after the first.
-struct Moments<'a> {
-    song: &'a Song,
-    /// Where the song begins in its file.
+struct Moments {
+    /// Where the song that is heard begins in its file.
     from_secs: f64,
     fps: f64,
     /// When the first one is, in the file.
@@ -148,32 +149,26 @@ struct Moments<'a> {
     shown_secs: f64,
 }
 
-impl Moments<'_> {
+impl Moments {
     /// At least one, and none at the end, up to rounding.
     fn count(&self) -> u64 {
         (self.shown_secs * self.fps - 1e-6).ceil().max(1.0) as u64
     }
 
-    /// Gives `take` the frame of each moment, whose window is centered on it. All that is read before the first is heard,
-    /// too: levels depend on it.
-    fn analyze(
+    /// Gives `take` the frame of each moment. All that is read before the first is heard, too: levels depend on it.
+    fn hear(
         &self,
-        analyzer: &mut SpectrumAnalyzer,
+        ear: &mut SongSpectrum,
         task: &Task,
         mut take: impl FnMut(Frame) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let rate_hz = f64::from(self.song.rate_hz);
-        let n = analyzer.window_frames();
         let before = ((self.start_secs - self.from_secs) * self.fps).floor() as i64;
         let stage = task.stage("spectrum", before.unsigned_abs() + self.count());
-        let (mut left, mut right) = (vec![0.0; n], vec![0.0; n]);
         let rounded = |bands: &[f32]| bands.iter().map(|&x| (f64::from(x) * 1e6).round() / 1e6).collect();
         for i in -before..self.count() as i64 {
             task.check()?;
             let time_secs = self.start_secs + i as f64 / self.fps;
-            let center = ((time_secs - self.from_secs) * rate_hz).round() as i64;
-            self.song.window_ending_at(center + n as i64 / 2, &mut left, &mut right);
-            let spectrum = analyzer.analyze(&left, &right, 1.0 / self.fps);
+            let spectrum = ear.at(time_secs - self.from_secs);
             if i >= 0 {
                 take(Frame { time_secs, mid: rounded(&spectrum.mid), side: rounded(&spectrum.side) })?;
             }
@@ -184,19 +179,15 @@ impl Moments<'_> {
 }
 
 /// One frame a line, as soon as it is analyzed, so that hours of music need no memory.
-fn print_json(
-    terminal: &Terminal,
-    moments: &Moments<'_>,
-    analyzer: &mut SpectrumAnalyzer,
-) -> Result<(), Error> {
+fn print_json(terminal: &Terminal, moments: &Moments, ear: &mut SongSpectrum) -> Result<(), Error> {
     terminal.result(format_args!(
         "{{\"rate_hz\": {}, \"bands_hz\": {}, \"frames\": [",
-        moments.song.rate_hz,
-        serde_json::to_string(analyzer.bands_hz()).map_err(Error::other)?
+        ear.settings().rate_hz,
+        serde_json::to_string(ear.bands_hz()).map_err(Error::other)?
     ))?;
     let mut left = moments.count();
     let mut print = |task: &Task| {
-        moments.analyze(analyzer, task, |frame| {
+        moments.hear(ear, task, |frame| {
             left = left.saturating_sub(1);
             let comma = if left > 0 { "," } else { "" };
             terminal.result(format_args!("{}{comma}", serde_json::to_string(&frame).map_err(Error::other)?))
@@ -315,10 +306,8 @@ mod tests {
 
     #[test]
     fn moments_end_before_the_end_whatever_its_product_with_their_rate_is_rounded_to() {
-        let song = Song { rate_hz: 44_100, left: Vec::new(), right: Vec::new() };
-        let count = |shown_secs: f64, fps: f64| {
-            Moments { song: &song, from_secs: 0.0, fps, start_secs: 0.0, shown_secs }.count()
-        };
+        let count =
+            |shown_secs: f64, fps: f64| Moments { from_secs: 0.0, fps, start_secs: 0.0, shown_secs }.count();
         // The product is 7.000000000000001.
         assert_eq!((count(0.07, 100.0), count(0.071, 100.0), count(0.07, 0.1)), (7, 8, 1));
         assert_eq!(count(1.0 / 768_000.0, 0.1), 1);

@@ -23,7 +23,7 @@ pub enum Closing {
     },
     /// All is saved; it closes once the work in the background is done.
     Waiting {
-        /// How many errors there were before the question.
+        /// How many errors there were before it was asked to close.
         errors: usize,
     },
     /// Decided; the window is about to go.
@@ -52,13 +52,15 @@ impl Studio {
         }
         let being_made: Vec<String> =
             self.rooms.iter().filter_map(|room| room.being_made().map(str::to_owned)).collect();
-        let unfinished = being_made.iter().map(|label| format!("{label} is not finished."));
-        let unsaved: Vec<String> =
-            self.rooms.iter().filter_map(|room| room.unsaved()).chain(unfinished).collect();
+        let mut unsaved: Vec<String> = self.rooms.iter().filter_map(|room| room.unsaved()).collect();
+        let is_saved = unsaved.is_empty();
+        unsaved.extend(being_made.iter().map(|label| format!("{label} is not finished.")));
         if asked && !unsaved.is_empty() && self.closing != Closing::Yes {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             if self.closing == Closing::No {
-                self.closing = Closing::Asked { errors: self.notices.errors() };
+                let errors = self.notices.errors();
+                // There is nothing to be saved where only a film is still being made.
+                self.closing = if is_saved { Closing::Waiting { errors } } else { Closing::Asked { errors } };
             }
         }
         match self.closing {
@@ -66,7 +68,12 @@ impl Studio {
             // The work in the background ended meanwhile.
             Closing::Asked { errors } if unsaved.is_empty() => self.leave_unless_failed(ctx, errors),
             Closing::Asked { errors } => self.ask_to_save(ctx, &unsaved, errors),
-            Closing::Waiting { errors } if being_made.is_empty() => self.leave_unless_failed(ctx, errors),
+            Closing::Waiting { errors } if unsaved.is_empty() => self.leave_unless_failed(ctx, errors),
+            Closing::Waiting { errors } if being_made.is_empty() => {
+                // A controller has changed something meanwhile.
+                self.closing = Closing::Asked { errors };
+                ctx.request_repaint();
+            }
             Closing::Waiting { .. } => match ask_to_wait(ctx, &being_made) {
                 None | Some(Answer::Save) => {}
                 Some(Answer::Stay) => self.closing = Closing::No,

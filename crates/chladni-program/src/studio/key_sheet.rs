@@ -22,8 +22,8 @@ const MOUSE: [(&str, &str); 7] = [
     ("Shift with a part", "Take it besides what is painted"),
 ];
 
-/// Lines of a column.
-const COLUMN: usize = 17;
+/// Lines of a column of a room: the longest list fills two columns, and three fit a new window.
+const COLUMN: usize = 20;
 
 /// A key or a mouse gesture, and its effect.
 type Line = (String, &'static str);
@@ -76,4 +76,31 @@ fn show_column(ui: &mut egui::Ui, index: usize, lines: &[Line]) {
             ui.end_row();
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    use super::*;
+    use crate::studio::opening::WINDOW;
+
+    #[test]
+    fn the_sheet_of_every_room_fits_a_new_window() {
+        for room in [keys::start::ALL, keys::caricature::ALL, keys::breeding::ALL, keys::music::ALL] {
+            let sheet = move |ui: &mut egui::Ui| show(ui.ctx(), &mut true, "Room", room);
+            let mut window = Harness::builder().with_size(WINDOW).build_ui(sheet);
+            theme::install(&window.ctx);
+            window.run_steps(6);
+            let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, WINDOW.into());
+            let actions = room.iter().chain(keys::view::ALL).map(|key| key.action);
+            for action in actions.chain(MOUSE.map(|(_, action)| action)) {
+                for line in window.get_all_by_label(action) {
+                    let rect = line.rect();
+                    assert!(screen.contains_rect(rect), "“{action}” at {rect}");
+                }
+            }
+        }
+    }
 }

@@ -9,6 +9,7 @@ use chladni_view::{
     Background, Camera, Device, Picture, PictureRequest, PictureShape, Style, View, render_picture,
 };
 
+use super::folders::whole_path;
 use super::job::Job;
 use crate::work::is_flat;
 use crate::work::source::sample_path;
@@ -112,20 +113,16 @@ impl Pictures {
     }
 
     fn file(&self, path: &Path) -> Option<PathBuf> {
-        let path = absolute(path);
+        let path = whole_path(path);
         let mut hasher = DefaultHasher::new();
         path.hash(&mut hasher);
         Some(self.folder.as_ref()?.join(format!("{:016x}.png", hasher.finish())))
     }
 }
 
-fn absolute(path: &Path) -> PathBuf {
-    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
-}
-
 /// The name of a file's picture among those that are held.
 fn key(path: &Path) -> String {
-    absolute(path).to_string_lossy().into_owned()
+    whole_path(path).to_string_lossy().into_owned()
 }
 
 /// A picture as a texture.

@@ -9,6 +9,7 @@ use chladni_task::{alone, read_file, read_text_file};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
+use super::folders::whole_path;
 use super::music::MOST_GAIN_DB;
 use crate::work::HARMONICS;
 
@@ -174,7 +175,7 @@ impl Settings {
     /// Puts `path` first among the recent files.
     pub fn remember(&mut self, path: &Path) {
         // The next run may start in another folder.
-        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let path = whole_path(path);
         // Preferences are text, which cannot name it.
         if path.to_str().is_none() {
             return;
@@ -430,6 +431,8 @@ mod tests {
         settings.remember(Path::new("5.chladni"));
         assert_eq!(settings.recent.len(), RECENT);
         assert_eq!(settings.recent[0], std::path::absolute("5.chladni").unwrap());
+        settings.remember(Path::new("src/../6.chladni"));
+        assert!(settings.recent[0].parent().unwrap().ends_with("chladni-program"));
     }
 
     #[test]

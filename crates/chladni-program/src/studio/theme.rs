@@ -250,6 +250,10 @@ pub fn install(ctx: &egui::Context) {
         spacing.window_margin = Margin::same(14);
         spacing.menu_margin = Margin::same(6);
         spacing.icon_spacing = 6.0;
+        // A scroll bar lies beside what is scrolled, not over it; under the pointer it is as light as elsewhere.
+        let scroll = &mut spacing.scroll;
+        scroll.floating_allocated_width = scroll.bar_width + 2.0;
+        scroll.interact_handle_opacity = scroll.active_handle_opacity;
         style.interaction.tooltip_delay = 0.35;
     });
     ctx.style_mut_of(Theme::Dark, |style| {
@@ -340,6 +344,16 @@ mod tests {
     fn contrast(a: Color32, b: Color32) -> f32 {
         let (a, b) = (luminance(a), luminance(b));
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn a_scroll_bar_covers_nothing() {
+        let ctx = egui::Context::default();
+        install(&ctx);
+        for theme in [Theme::Dark, Theme::Light] {
+            let scroll = ctx.style_of(theme).spacing.scroll;
+            assert!(scroll.allocated_width() > scroll.bar_width, "{theme:?}");
+        }
     }
 
     /// WCAG 2.2, criteria 1.4.3 and 1.4.11.

@@ -137,11 +137,7 @@ impl Viewport {
         self.draw(ui, rect, scene)?;
         self.paint(ui, rect);
         if self.moved_secs.is_some() && self.effort.is_reduced() {
-            let text = format!("Frames were late: {} while it moves", self.effort.quality());
-            let weak = theme::palette(ui).weak;
-            let at = rect.right_bottom() - egui::vec2(8.0, 6.0);
-            let font = egui::FontId::proportional(11.0);
-            ui.painter().text(at, egui::Align2::RIGHT_BOTTOM, text, font, weak);
+            remark(ui, rect, format!("Frames were late: {} while it moves", self.effort.quality()));
         }
         Ok(())
     }
@@ -260,6 +256,17 @@ impl Viewport {
     }
 }
 
+/// Puts `text` in the corner of a picture, on a ground of its own: a shape of any color may be behind it.
+fn remark(ui: &egui::Ui, picture: egui::Rect, text: String) {
+    let (weak, ground) = (theme::palette(ui).weak, ui.visuals().panel_fill.gamma_multiply(0.85));
+    let (font, width) = (egui::FontId::proportional(11.0), (picture.width() - 20.0).max(0.0));
+    let galley = ui.painter().layout(text, font, weak, width);
+    let at = picture.right_bottom() - egui::vec2(10.0, 8.0) - galley.size();
+    let plate = egui::Rect::from_min_size(at, galley.size()).expand2(egui::vec2(6.0, 3.0));
+    ui.painter().rect_filled(plate, 4.0, ground);
+    ui.painter().galley(at, galley, weak);
+}
+
 /// The space that is left, from pixel to pixel, so that the pixels of a view are those of the window.
 pub fn whole_pixels(ui: &egui::Ui) -> egui::Rect {
     ui.available_rect_before_wrap().round_to_pixels(ui.pixels_per_point())
@@ -376,6 +383,33 @@ mod tests {
             red as f32 / (pixels.len() / 4) as f32
         });
         assert!(red[0] > 0.005 && (red[1] / red[0] - 1.0).abs() < 0.2, "{red:?}");
+    }
+
+    #[test]
+    fn a_remark_has_a_ground_of_its_own_and_fits_a_narrow_picture() {
+        check_remark("Late");
+        check_remark(&"Frames were late: ".repeat(8));
+    }
+
+    /// The words lie whole on their ground, and that in the picture.
+    fn check_remark(words: &str) {
+        let ctx = egui::Context::default();
+        let picture = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(300.0, 300.0));
+        let output = ctx.run_ui(egui::RawInput::default(), |ui| remark(ui, picture, words.to_owned()));
+        let mut plate = None;
+        for clipped in &output.shapes {
+            match &clipped.shape {
+                egui::Shape::Rect(rect) => plate = Some(rect.rect),
+                egui::Shape::Text(text) => {
+                    let plate = plate.expect("something is behind it");
+                    let words = text.visual_bounding_rect();
+                    assert!(plate.contains_rect(words) && picture.contains_rect(plate), "{plate} {words}");
+                    return;
+                }
+                _ => {}
+            }
+        }
+        panic!("nothing is written");
     }
 
     #[test]

@@ -9,6 +9,7 @@ use chladni_music::{
 use chladni_sound::{Beats, Hop, Song, SongSpectrum, SoundError, Spectrum, SpectrumSettings};
 
 use self::clocked::Clocked;
+use self::songs::Seam;
 use super::tuning::Tuning;
 
 mod clocked;
@@ -72,8 +73,8 @@ pub struct Heard<'a> {
 #[derive(Default)]
 pub struct Hearing {
     songs: BTreeMap<usize, KnownSong>,
-    /// Each with the whole beats to be added to those of its song.
-    stretches: Vec<(Stretch, f64)>,
+    /// Each with how the count of beats goes on with it.
+    stretches: Vec<(Stretch, Seam)>,
     /// The director of each song.
     directors: BTreeMap<usize, SongDirector>,
     /// An outer clock that was followed in place of the songs' beats.
@@ -181,7 +182,7 @@ impl Hearing {
     /// Continues a show: the stretches heard before, in order, and the clock that was followed.
     fn go_on(&mut self, stretches: &[Stretch], clock: ClockTrack) {
         self.know_clock(clock);
-        self.stretches = stretches.iter().map(|stretch| (*stretch, 0.0)).collect();
+        self.stretches = stretches.iter().map(|stretch| (*stretch, Seam::default())).collect();
         (self.ear, self.fade) = (None, None);
         self.from_song_secs = self.stretch().map_or(0.0, |stretch| stretch.song_secs);
         self.count_again();
@@ -208,8 +209,8 @@ impl Hearing {
             self.ear = None;
             self.from_song_secs = stretch.song_secs;
         }
-        let added = self.added_beats(&self.stretches, stretch);
-        self.stretches.push((stretch, added));
+        let seam = self.seam(&self.stretches, stretch);
+        self.stretches.push((stretch, seam));
         Ok(())
     }
 

@@ -149,23 +149,30 @@ pub fn ignored_by(form: Form, parameter: Parameter, voices: bool) -> Option<&'st
     }
 }
 
-/// Why a knob has no effect now. `voices` may listen to the side in any form.
-pub fn idle(parameters: &Parameters, parameter: Parameter, voices: bool) -> Option<&'static str> {
-    let of_switch = || match parameter {
-        Parameter::StereoMu => {
-            parameters.is_on(Switch::OwnMu).then_some("Each dance has its own µ now (see Hearing).")
-        }
+/// The switch that a knob depends on, and how it has to stand.
+pub fn needed_by(parameter: Parameter) -> Option<(Switch, bool)> {
+    match parameter {
+        Parameter::StereoMu => Some((Switch::OwnMu, false)),
         Parameter::Damping
         | Parameter::TuningHz
         | Parameter::Stretch
         | Parameter::Strike
-        | Parameter::Hold => {
-            (!parameters.is_on(Switch::Resonate)).then_some("Nothing resonates now (see Hearing).")
-        }
-        Parameter::Grains | Parameter::GrainSize => {
-            (!parameters.is_on(Switch::Sand)).then_some("There is no sand now (see Experiment).")
-        }
+        | Parameter::Hold => Some((Switch::Resonate, true)),
+        Parameter::Grains | Parameter::GrainSize => Some((Switch::Sand, true)),
         _ => None,
+    }
+}
+
+/// Why a knob has no effect now. `voices` may listen to the side in any form.
+pub fn idle(parameters: &Parameters, parameter: Parameter, voices: bool) -> Option<&'static str> {
+    let of_switch = || {
+        let (switch, _) = needed_by(parameter).filter(|(switch, on)| parameters.is_on(*switch) != *on)?;
+        match switch {
+            Switch::OwnMu => Some("Each dance has its own µ now (see Hearing)."),
+            Switch::Resonate => Some("Nothing resonates now (see Hearing)."),
+            Switch::Sand => Some("There is no sand now (see Experiment)."),
+            _ => None,
+        }
     };
     ignored_by(parameters.form, parameter, voices).or_else(of_switch)
 }

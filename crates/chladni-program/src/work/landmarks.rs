@@ -74,6 +74,9 @@ pub struct Picks {
     held: Option<(Which, usize, u32)>,
 }
 
+/// The name of half a pair, where it can be undone.
+pub const HALF_A_LANDMARK: &str = "half a landmark";
+
 impl Picks {
     /// Where half a pair is.
     pub fn pending(&self) -> Option<Which> {

@@ -90,6 +90,16 @@ impl Programme {
         Self { looks: if keeps { Vec::new() } else { self.looks }, ..self }
     }
 
+    /// In this look until the second turn, as the first keeps it; not on a sheet, whose first turn has another one.
+    pub fn opening_in(self, look: &Look) -> Self {
+        // Effects may be left out of it, and a shape may have its own colors in it.
+        let is_own =
+            |known: Look| Look { finish: look.finish, own_colors: look.own_colors, ..known } == *look;
+        let opening = self.looks.iter().position(|name| Look::named(name).is_some_and(is_own));
+        let opening = opening.filter(|_| self.form.is_none());
+        Self { autopilot: self.autopilot.opening_in(opening), ..self }
+    }
+
     /// With what these changes set in all dances, whatever their presets say; a gain is still changed in each turn.
     pub fn keeping(self, held: Vec<Action>) -> Self {
         Self { held, ..self }
@@ -240,6 +250,7 @@ fn bring_back(settings: &mut Settings, last: &Settings, before: &Settings) {
 mod tests {
     use super::*;
     use chladni_music::{Choir, GalleryShape, Moment, Switch, Timbre};
+    use chladni_view::Effect;
 
     #[test]
     fn whatever_dances_on_a_sheet_leaves_its_plane() {
@@ -419,6 +430,25 @@ mod tests {
             };
             // The first turn has the show's own look, also when it comes back.
             assert_eq!([true, true, false].map(&mut changes_look), [false, !keeps, false]);
+        }
+    }
+
+    #[test]
+    fn the_look_of_the_opening_is_known_in_any_colors_and_with_any_effects() {
+        let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
+        let instrument = Instrument::new(1, 6, shape).unwrap();
+        let finish = Look::EMBER.finish.without(Effect::Trails);
+        for (is_flat, look) in [
+            (false, Look::EMBER),
+            (false, Look { own_colors: true, finish, ..Look::EMBER }),
+            (true, Look::EMBER),
+        ] {
+            let programme = Programme::new(&instrument, Vec::new(), 0.0, 0).unwrap();
+            let mut programme = programme.on_sheet(is_flat).opening_in(&look);
+            programme.step(0.0, true, &instrument);
+            let first = programme.autopilot.shown().unwrap().look;
+            // What is drawn on a sheet is another one.
+            assert_eq!(programme.looks[first] == "ember", !is_flat);
         }
     }
 

@@ -138,6 +138,10 @@ fn limbs(mesh: &TriMesh, stack: &Stack, watcher: &impl Watcher) -> Result<Vec<Si
         })?
     };
     let found = Limbs::of(&body, Limbs::USUAL_LEVEL);
+    // A part that is the whole shape would only enlarge it.
+    if found.parts.len() < 2 {
+        return Ok(Vec::new());
+    }
     let twins = twins_of(&found, &body, watcher)?;
     let mut parts = Vec::new();
     for (i, twin) in twins.iter().enumerate().filter(|(i, twin)| twin.is_none_or(|twin| twin > *i)) {

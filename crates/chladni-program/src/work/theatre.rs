@@ -242,6 +242,10 @@ impl Staging {
         // Exchanged sides move the other half: as if it were seen from behind.
         let exchanged = instrument.parameters().is_on(Switch::FlipSides);
         look = look.seen_from(camera.yaw_rad + if exchanged { std::f32::consts::PI } else { 0.0 });
+        // They would grow from the middle of all cells, not of each.
+        if viewports.len() > 1 {
+            look.finish.trail_growth = 0.0;
+        }
         // Many shapes do not stand on one floor.
         look.background.floor = look.background.floor.filter(|_| items == 1).and_then(|floor| {
             let (at, radius) = self.ground(FLOOR_BELOW * limit * self.dancer.box_diagonal)?;

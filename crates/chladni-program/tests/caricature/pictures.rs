@@ -145,6 +145,24 @@ fn a_picture_shows_the_panels_asked_for_in_a_row_for_each_mu() {
 }
 
 #[test]
+fn a_row_of_a_sweep_is_what_its_mu_alone_gives_and_is_described() {
+    let desk = Desk::new();
+    let mut rough = lump(1.0);
+    rough.positions.iter_mut().for_each(|p| p[2] += 0.2 * (8.0 * p[1]).sin());
+    save_mesh(&rough, &desk.path("rough.obj")).unwrap();
+    let line = "caricature shape.obj rough.obj --match icp -k 32 --size 320x160 --show after";
+    let alone = desk.ok(&format!("{line} --mu 1 --render alone.png"));
+    let swept = desk.ok(&format!("{line} --sweep=1 --render swept.png"));
+    let read = |name: &str| std::fs::read(desk.path(name)).unwrap();
+    assert!(read("alone.png") == read("swept.png"), "the scale curve is that of the default μ");
+    let moves = alone.lines().find_map(|said| said.strip_prefix("caricature: ")).unwrap();
+    assert!(swept.contains(&format!("μ = 1: {moves}")) && !swept.contains("caricature: "), "{swept}");
+    // The mesh is of another μ.
+    let written = desk.ok(&format!("{line} --sweep=1 --render swept.png -o out.ply"));
+    assert!(written.contains(&format!("μ = 1: {moves}")) && written.contains("caricature: "), "{written}");
+}
+
+#[test]
 fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
     let desk = Desk::new();
     let line = "caricature shape.obj ellipsoid -o out.ply -k 32 --mu -1 --size 320x160";

@@ -198,6 +198,7 @@ fn harmonics_are_exported_for_numpy_and_cached() {
         Run::of(&["basis", "sample:octopus", "-k", "24", "-o", text(&out), "--json"]).succeeded().json();
     assert_eq!(again["cached"], true);
     assert!(again["cover"].is_null(), "no Laplacian was made");
+    Run::of(&["basis", "sample:octopus", "-k", "24", "--threads", "1025"]).refused("at most 1024");
     assert_eq!(json["cover"]["sheets"], 1, "the octopus is closed");
 }
 
@@ -338,6 +339,9 @@ fn a_part_of_a_spectrum_is_that_of_the_whole_song() {
         }
     }
     assert!(loudest > 0.1, "{loudest}");
+    // However many are shown.
+    let seldom = frames(&["--start", "16", "--duration", "2", "--fps", "5"]);
+    assert!(seldom.iter().eq(part.iter().step_by(4)));
 }
 
 fn vertex_lines(path: &Path) -> Vec<String> {

@@ -102,6 +102,7 @@ fn wrong_arguments_are_told_in_one_line() {
         (&["open", "song.wav", "-o", "set.mp4", "--format", "y4m"], "--format"),
         (&["open", "song.wav", "-o", "-", "--measure", "3"], "standard output"),
         (&["dance", "--show", "a.toml", "--seed", "2", "-o", "a.gif"], "--seed"),
+        (&["dance", "sample:cat", "sample:tune", "-o", "-", "--resume"], "--resume is for files"),
     ] {
         let run = Run::of(arguments);
         run.refused(part);
@@ -222,11 +223,16 @@ fn settings_are_refused_by_name_by_value_and_by_range() {
         ("volume=0.5", "volume belongs to the window"),
         ("decay=abc", "decay is a number from 0"),
         ("decay=99", "decay is a number from 0"),
+        ("harmonics=-20", "harmonics is a number from 0 (all)"),
+        ("harmonics=1e9", "harmonics is a number from 0 (all)"),
         ("form=zzz", "form has no value called zzz"),
         ("nothing", "expected NAME=VALUE"),
     ] {
         Run::of(&["dance", "sample:cat", "sample:tune", "--set", setting, "-o", "never.mp4"]).refused(why);
     }
+    let transparent = ["--picture", "never.png", "--background", "transparent", "-o", "never.gif"];
+    Run::of(&[&["dance", "sample:cat", "sample:tune"][..], &transparent].concat())
+        .refused("leave out --background transparent");
     for (option, value) in [("--format", "y4m"), ("--targets", "5")] {
         Run::of(&["dance", "sample:cat", "sample:tune", option, value, "-o", "never.mp4"]).refused(option);
     }
@@ -241,6 +247,7 @@ fn options_of_pictures_are_refused_for_a_dance_without_any() {
         &["--yaw", "10"],
         &["--size", "64x64"],
         &["--samples", "4"],
+        &["--synthesis", "cpu"],
         &["--picture", "never.png"],
         &["--titles"],
         &["--rest"],

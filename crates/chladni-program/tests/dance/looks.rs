@@ -47,7 +47,7 @@ fn a_show_repeats_the_looks_that_came_on_stage() {
     assert_eq!(frame(&changing, "0.4", &[]), frame(&contour, "0.4", &[]));
     // A film that asks for a look has that one throughout.
     assert_eq!(frame(&changing, "0.4", &["--look", "ember"]), frame(&ember, "0.4", &[]));
-    // So has one that asks for a blur, which a show may name, too.
+    // One that asks for a blur, which a show may name, too, has it in every look.
     let soft = |name| {
         let mut show = show(name, None);
         show.looks.iter_mut().for_each(|looks| looks.blur_percent = Some(90));
@@ -56,8 +56,21 @@ fn a_show_repeats_the_looks_that_came_on_stage() {
     assert_ne!(frame(&contour, "0.4", &["--blur", "90"]), frame(&contour, "0.4", &[]));
     assert_eq!(frame(&contour, "0.4", &["--blur", "90"]), frame(&soft("contour"), "0.4", &[]));
     assert_eq!(frame(&contour, "0.4", &["--blur", "0"]), frame(&contour, "0.4", &[]));
+    assert_eq!(frame(&changing, "0.4", &["--blur", "90"]), frame(&contour, "0.4", &["--blur", "90"]));
     // A look of another version leaves the show's own.
     assert_eq!(frame(&show("ember", Some("dawn of 2031")), "0.4", &[]), frame(&ember, "0.4", &[]));
+}
+
+#[test]
+fn a_transparent_background_needs_no_picture_of_the_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("text.png");
+    std::fs::write(&picture, "no picture").unwrap();
+    let (plain, mut pictured) = (show("ember", None), show("ember", None));
+    let named = picture.to_str().unwrap().to_owned();
+    pictured.looks.iter_mut().for_each(|looks| looks.picture.clone_from(&named));
+    let frame = |show: &Show| frame(folder.path(), show, "0.1", &["--background", "transparent"]);
+    assert_eq!(frame(&pictured), frame(&plain));
 }
 
 #[test]

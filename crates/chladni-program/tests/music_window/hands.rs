@@ -15,6 +15,16 @@ fn named(address: &str, text: &str) -> Vec<u8> {
     [padded(address), padded(",s"), padded(text)].concat()
 }
 
+/// A bundle of messages, to be done at once.
+fn bundle(packets: &[Vec<u8>]) -> Vec<u8> {
+    let mut bundle = b"#bundle\0\0\0\0\0\0\0\0\x01".to_vec();
+    for packet in packets {
+        bundle.extend((packet.len() as u32).to_be_bytes());
+        bundle.extend(packet);
+    }
+    bundle
+}
+
 /// A room that hears OSC messages.
 struct Desk {
     window: Window,
@@ -26,11 +36,17 @@ struct Desk {
 
 impl Desk {
     fn begin(chooser: &Answers) -> Self {
+        Self::begin_with(chooser, "")
+    }
+
+    /// Begins with these preferences of the room.
+    fn begin_with(chooser: &Answers, music: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let folders = folders(folder.path());
+        let recordings = Some(folder.path().to_owned());
+        let folders = Folders { recordings, ..folders(folder.path()) };
         let port = free_port();
         let settings = folders.settings.clone().unwrap();
-        std::fs::write(&settings, format!("harmonics = 24\n[music]\nosc_port = {port}\n")).unwrap();
+        std::fs::write(&settings, format!("harmonics = 24\n[music]\nosc_port = {port}\n{music}")).unwrap();
         let opening = Opening { folders, chooser: Box::new(chooser.clone()), ..Opening::default() };
         let window = enter(opening);
         let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
@@ -128,6 +144,40 @@ fn gallery_look_and_stage_obey() {
 }
 
 #[test]
+fn messages_of_one_bundle_are_done_one_after_the_other() {
+    let mut desk = Desk::begin(&Answers::default());
+    let touch = |name: &str, value: f32| packet(&format!("/chladni/{name}"), value);
+    desk.send(&bundle(&[touch("choose", 4.0), touch("choose", 4.0), touch("choose", 5.0)]));
+    desk.until("one is chosen", |w| is_chosen(w, "dance/5"));
+    assert!(!is_chosen(&desk.window, "dance/4"), "it was chosen, and then no longer");
+    // The stage opens black.
+    desk.send(&bundle(&[touch("stage", 2.0), touch("blackout", 1.0)]));
+    desk.until("the stage", |w| !shows(w, "12 items"));
+    desk.until_brightness(|now| now < 1.0);
+    desk.touch("blackout", 1.0);
+    desk.until_brightness(|now| now > 1.0);
+}
+
+#[test]
+fn machines_are_heard_until_others_are_typed() {
+    let music = "osc_network = true\nosc_allowed = [\"10.0.0.1\"]\n";
+    let mut desk = Desk::begin_with(&Answers::default(), music);
+    click(&mut desk.window, "drawer/remote");
+    click(&mut desk.window, "osc-allowed");
+    desk.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    desk.window.key_press(Key::Backspace);
+    desk.window.run_steps(2);
+    desk.touch("volume", 0.25);
+    // An empty list would let in all.
+    desk.until_settings_say(&["volume = 0.25", "\"10.0.0.1\""]);
+    control(&desk.window, "osc-allowed").type_text("10.0.0.2");
+    desk.window.run_steps(2);
+    desk.window.key_press(Key::Enter);
+    desk.until_settings_say(&["\"10.0.0.2\""]);
+    assert!(!desk.settings().contains("10.0.0.1"));
+}
+
+#[test]
 fn a_look_chosen_by_hand_takes_the_place_of_the_autopilots() {
     let answers = Answers::default();
     let mut desk = Desk::begin(&answers);
@@ -170,8 +220,7 @@ fn look_of(action: &Action) -> Option<&str> {
 
 #[test]
 fn songs_input_clock_and_recording_obey() {
-    let answers = Answers::default();
-    let mut desk = Desk::begin(&answers);
+    let mut desk = Desk::begin(&Answers::default());
     desk.touch("blur", 0.4);
     desk.touch("follow-clock", 1.0);
     desk.until_settings_say(&["blur_percent = 40", "follows_clock = true"]);
@@ -197,15 +246,11 @@ fn songs_input_clock_and_recording_obey() {
         desk.touch("record", 1.0);
         return desk.until("that ffmpeg is missing", |w| shows(w, "ffmpeg is not on the PATH"));
     }
-    // Without a name for the film nothing begins.
-    desk.touch("record", 1.0);
-    // Messages keep their order.
-    desk.touch("volume", 0.5);
-    desk.until_settings_say(&["volume = 0.5"]);
-    assert!(!is_there(&desk.window, "recording-end"));
-    answers.add(desk.settings.with_file_name("set.mp4"));
+    // Nobody is asked for a name, and no file is replaced.
+    std::fs::write(desk.settings.with_file_name("set 1.mp4"), "an evening").unwrap();
     desk.touch("record", 1.0);
     desk.until("the recording", |w| is_there(w, "recording-end"));
+    desk.until("its name", |w| shows(w, "set 2.mp4"));
     desk.touch("record", 1.0);
     desk.until("its end", |w| !is_there(w, "recording-end"));
 }

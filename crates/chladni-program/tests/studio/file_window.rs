@@ -7,7 +7,7 @@ use std::rc::Rc;
 use chladni_program::studio::{FileWindow, Purpose, Request, Settings};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::driving::painted::Painted;
 use crate::driving::person::Desk;
@@ -27,12 +27,22 @@ fn file_window_with(
     purpose: Purpose,
     settings: Settings,
 ) -> (Harness<'static, FileWindow>, Answer) {
+    file_window_at(desk, purpose, settings, desk.folder.path().to_owned())
+}
+
+/// The same that begins elsewhere.
+fn file_window_at(
+    desk: &Desk,
+    purpose: Purpose,
+    settings: Settings,
+    start: PathBuf,
+) -> (Harness<'static, FileWindow>, Answer) {
     std::fs::create_dir(desk.path("sculptures")).unwrap();
     std::fs::copy(desk.path("shape.obj"), desk.path("sculptures/bust.obj")).unwrap();
     let answer = Rc::new(RefCell::new(Vec::new()));
     let given = answer.clone();
     let kinds = vec![("Meshes".to_owned(), vec!["obj".to_owned()])];
-    let request = Request { purpose, kinds, start: desk.folder.path().to_owned() };
+    let request = Request { purpose, kinds, start };
     let mut window = Harness::builder()
         .with_size([640.0, 520.0])
         .renderer(Painted::default())
@@ -114,6 +124,27 @@ fn what_is_typed_after_files_were_picked_counts_and_enter_on_cancel_is_no_answer
 }
 
 #[test]
+fn what_is_typed_at_first_takes_the_place_of_a_proposed_name_before_its_extension() {
+    let desk = Desk::new();
+    let start = desk.path("new shape.obj");
+    let (mut window, answer) = file_window_at(&desk, Purpose::Save, Settings::default(), start);
+    let typed = |window: &mut Harness<'_, FileWindow>, text: &str| {
+        window.event(egui::Event::Text(text.into()));
+        window.run_steps(2);
+        control(window, "path").value()
+    };
+    assert_eq!(typed(&mut window, "shape").as_deref(), Some("shape.obj"));
+    // It is there already: what is typed after the question goes on from there.
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    assert!(answer.borrow().is_empty());
+    assert_eq!(typed(&mut window, "-2").as_deref(), Some("shape-2.obj"));
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert_eq!(*answer.borrow(), [desk.path("shape-2.obj")]);
+}
+
+#[test]
 fn letters_of_the_file_window_fit_the_screen() {
     let desk = Desk::new();
     let settings = Settings { zoom: 3.0, ..Settings::default() };
@@ -165,4 +196,21 @@ fn of_a_long_folder_only_what_is_seen_is_laid_out_and_its_end_can_be_reached() {
     window.key_press(Key::Enter);
     window.run_steps(2);
     assert_eq!(*answer.borrow(), [desk.path("template.obj")]);
+}
+
+#[test]
+fn tab_comes_to_every_line_of_a_long_folder() {
+    let desk = Desk::new();
+    for index in 0..30 {
+        std::fs::write(desk.path(&format!("many-{index:02}.obj")), "").unwrap();
+    }
+    let (mut window, _) = file_window(&desk, Purpose::Open);
+    let mut reached = std::collections::BTreeSet::new();
+    for _ in 0..60 {
+        window.key_press(Key::Tab);
+        window.run_steps(4);
+        let lines = window.query_all_by_label_contains("many-").map(|line| line.accesskit_node());
+        reached.extend(lines.filter(|line| line.is_focused()).filter_map(|line| line.label()));
+    }
+    assert_eq!(reached.len(), 30, "{reached:?}");
 }

@@ -283,6 +283,18 @@ fn the_camera_comes_forward_again_when_an_exaggeration_is_undone() {
 }
 
 #[test]
+fn nothing_is_said_of_folds_and_crossings_before_the_layer_acts() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj", "template.obj"]);
+    person.wait("the match", |window| {
+        let counts = ["No folds", "Nothing passes"].map(|text| driving::shows(window, text));
+        assert!(!driving::shows(window, "Matching") || counts == [false; 2], "nothing is matched yet");
+        driving::shows(window, "Covered")
+    });
+    person.wait_to_see("No folds");
+}
+
+#[test]
 fn a_layer_without_its_template_says_so() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj", "missing.obj"]);

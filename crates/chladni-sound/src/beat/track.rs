@@ -1,5 +1,7 @@
 //! Beat tracking of a whole song.
 
+use std::ops::Range;
+
 use chladni_task::{Cancelled, Task};
 
 use super::follow::BeatFollower;
@@ -64,12 +66,14 @@ impl Beats {
 /// A rate outside the supported range, or a cancelled task.
 pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let onsets = onsets(song, task)?;
-    let heard = Normalizer::both_ways(&onsets);
+    let music = music(song, onsets.len());
+    let heard = Normalizer::both_ways(&onsets[music.clone()]);
     let frames = best_path(&Meter::new(), &heard, task)?;
     let frames = at_the_pulse(within_the_music(&frames, &heard), &heard);
     let strengths = frames.iter().map(|&f| peak_near(&heard, f));
     let confidence = agreement(strengths, &heard);
-    let beats_secs: Vec<f64> = frames.iter().map(|&f| refined(&heard, f) / ONSET_RATE_HZ).collect();
+    let beats_secs: Vec<f64> =
+        frames.iter().map(|&f| (music.start as f64 + refined(&heard, f)) / ONSET_RATE_HZ).collect();
     let structure = structure(song, &beats_secs, &onsets, task)?;
     let beats = Beats::new(beats_secs, confidence);
     Ok(Beats { bars: structure.bars, sections: structure.sections, energy: structure.energy, ..beats })
@@ -100,6 +104,35 @@ fn onsets(song: &Song, task: &Task) -> Result<Vec<Onset>, SoundError> {
     let silence = song.silence_after(detector.latency_secs());
     detector.push(&silence, &silence, &mut onsets);
     Ok(onsets)
+}
+
+/// Sound below this share (−50 dB) of the peak that one frame in twenty exceeds is noise.
+const NOISE: f32 = 3.2e-3;
+/// How much noise or silence stays before the music and behind it.
+const EDGE_SECS: f64 = 2.0;
+
+/// The onset frames in which there is music, of all `frames`: beats would be found in the noise around it, and slow ones
+/// would cost less in silence.
+fn music(song: &Song, frames: usize) -> Range<usize> {
+    let hop = f64::from(song.rate_hz) / ONSET_RATE_HZ;
+    let peak = |frame: usize| {
+        let of = |samples: &[f32]| {
+            let begin = ((frame as f64 * hop) as usize).min(samples.len());
+            let end = (((frame + 1) as f64 * hop) as usize).min(samples.len());
+            samples[begin..end].iter().fold(0.0f32, |peak, x| peak.max(x.abs()))
+        };
+        of(&song.left).max(of(&song.right))
+    };
+    let peaks: Vec<f32> = (0..frames).map(peak).collect();
+    let mut sorted = peaks.clone();
+    sorted.sort_by(f32::total_cmp);
+    let loud = sorted.get(frames * 19 / 20).copied().unwrap_or(0.0);
+    let is_music = |peak: &f32| *peak > NOISE * loud;
+    let edge = (EDGE_SECS * ONSET_RATE_HZ) as usize;
+    match (peaks.iter().position(is_music), peaks.iter().rposition(is_music)) {
+        (Some(first), Some(last)) => first.saturating_sub(edge)..(last + edge).min(frames),
+        _ => 0..frames,
+    }
 }
 
 /// The frames at which the most probable path through the meter begins a beat.

@@ -3,7 +3,10 @@
 use std::ffi::OsString;
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
-use std::sync::atomic::Ordering;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::Duration;
 
 use chladni_task::{Needs, other_program};
 use serde::Deserialize;
@@ -14,20 +17,29 @@ use crate::SoundError;
 /// The rate to which the server converts.
 pub(super) const RATE_HZ: u32 = 48_000;
 const BYTES_PER_FRAME: usize = 8;
+/// The pause between two looks for a monitor that is recorded.
+const LOOK: Duration = Duration::from_secs(1);
+
+/// The sources that the sound server offers, as `pactl` lists them; `None` where no server answers.
+fn sources() -> Option<String> {
+    let mut pactl = other_program("pactl", Needs::Desktop);
+    let listed = pactl.args(["list", "short", "sources"]).stderr(Stdio::null()).output().ok()?;
+    listed.status.success().then(|| String::from_utf8_lossy(&listed.stdout).into_owned())
+}
+
+/// Number and name of each listed source.
+fn numbered(listed: &str) -> impl Iterator<Item = (&str, &str)> {
+    listed.lines().filter_map(|line| {
+        let mut columns = line.split('\t');
+        Some((columns.next()?, columns.next()?))
+    })
+}
 
 /// Names of the monitors that the sound server offers; empty without a server.
 pub(super) fn monitors() -> Vec<String> {
-    let listed = other_program("pactl", Needs::Desktop)
-        .args(["list", "short", "sources"])
-        .stderr(Stdio::null())
-        .output();
-    let Ok(listed) = listed else { return Vec::new() };
-    String::from_utf8_lossy(&listed.stdout)
-        .lines()
-        .filter_map(|line| line.split('\t').nth(1))
-        .filter(|name| name.ends_with(".monitor"))
-        .map(str::to_owned)
-        .collect()
+    let listed = sources().unwrap_or_default();
+    let names = numbered(&listed).map(|(_, name)| name).filter(|name| name.ends_with(".monitor"));
+    names.map(str::to_owned).collect()
 }
 
 /// An output of a sound server that can be recorded.
@@ -112,6 +124,8 @@ pub(super) fn programs() -> Vec<String> {
 /// A running `parec` process and the thread that reads its output.
 pub(super) struct Recorder {
     child: Child,
+    /// Dropped, it ends the watch over a monitor.
+    _watch: Sender<()>,
 }
 
 impl Recorder {
@@ -127,16 +141,18 @@ impl Recorder {
             .stderr(Stdio::null())
             .spawn()
             .map_err(|error| failed(format!("parec does not start: {error}")))?;
-        let Some(sound) = child.stdout.take() else { return Err(failed("parec has no output".into())) };
-        let reading = std::thread::Builder::new().name("capture".into()).spawn(move || read(sound, inlet));
-        match reading {
-            Ok(_) => Ok(Self { child }),
-            Err(error) => {
-                let _ = child.kill();
-                let _ = child.wait();
-                Err(failed(format!("no thread for it: {error}")))
-            }
+        let (sound, (watch, ended)) = (child.stdout.take(), channel());
+        // Dropped on an error, it ends the process.
+        let recorder = Self { child, _watch: watch };
+        let Some(sound) = sound else { return Err(failed("parec has no output".into())) };
+        let lost = Arc::clone(&inlet.lost);
+        let thread = || std::thread::Builder::new().name("capture".into());
+        let no_thread = |error: std::io::Error| failed(format!("no thread for it: {error}"));
+        thread().spawn(move || read(sound, inlet)).map_err(no_thread)?;
+        if let Played::Monitor(monitor) = played.clone() {
+            thread().spawn(move || watch_over(&monitor, &lost, &ended)).map_err(no_thread)?;
         }
+        Ok(recorder)
     }
 }
 
@@ -148,10 +164,33 @@ impl Drop for Recorder {
     }
 }
 
+/// Takes a monitor for lost as soon as its sink is gone: the server would let `parec` go on with another source, which may
+/// be a microphone.
+fn watch_over(monitor: &str, lost: &AtomicBool, ended: &Receiver<()>) {
+    let mut number = None;
+    loop {
+        // Without a server `parec` ends by itself.
+        if sources().is_some_and(|listed| !is_still_there(&listed, monitor, &mut number)) {
+            return lost.store(true, Ordering::Release);
+        }
+        if ended.recv_timeout(LOOK) != Err(RecvTimeoutError::Timeout) || lost.load(Ordering::Acquire) {
+            return;
+        }
+    }
+}
+
+/// Whether a source is among those that are listed, by the number that it had at first: one that comes back under its name
+/// has another.
+fn is_still_there(listed: &str, source: &str, first: &mut Option<String>) -> bool {
+    let found = numbered(listed).find(|(_, name)| *name == source);
+    found.is_some_and(|(number, _)| *first.get_or_insert_with(|| number.to_owned()) == *number)
+}
+
 fn read(mut sound: impl Read, mut inlet: Inlet) {
     let mut buffer = [0u8; 512 * BYTES_PER_FRAME];
     let mut held = 0;
-    loop {
+    // The sound that follows where the source was lost is another one's.
+    while !inlet.lost.load(Ordering::Acquire) {
         match sound.read(&mut buffer[held..]) {
             Ok(0) | Err(_) => break,
             Ok(got) => held += got,
@@ -172,6 +211,23 @@ mod tests {
     use std::ffi::OsStr;
 
     use super::*;
+
+    #[test]
+    fn a_source_that_is_gone_is_missed_also_where_another_has_its_name() {
+        let listed = |number: u32| format!("0\tnull.monitor\tmodule\n{number}\tother.monitor\tmodule\n");
+        let mut first = None;
+        let mut is_there = |listed: &str| is_still_there(listed, "other.monitor", &mut first);
+        assert!(is_there(&listed(1)) && is_there(&listed(1)));
+        assert!(!is_there("0\tnull.monitor\tmodule\n") && !is_there(&listed(2)));
+    }
+
+    #[test]
+    fn a_source_that_was_lost_is_read_no_further() {
+        let (inlet, consumer) = crate::capture::inlet();
+        inlet.lost.store(true, Ordering::Release);
+        read([0u8; 16 * BYTES_PER_FRAME].as_slice(), inlet);
+        assert_eq!(consumer.slots(), 0);
+    }
 
     #[test]
     fn a_list_has_decimal_points_in_every_language() {

@@ -4,7 +4,7 @@
 //! left out), then the larger of the two sums is scaled to 1 so that the mix cannot clip
 //! where its source did not.
 
-use symphonia::core::audio::{ChannelLabel, Channels, Position};
+use symphonia::core::audio::{ChannelLabel, Channels, Position, layouts};
 
 use crate::windowed::sounding;
 
@@ -24,7 +24,7 @@ impl Downmix {
             (0, _) => return None,
             (1, _) => vec![[1.0, 1.0]],
             (2, _) => vec![[1.0, 0.0], [0.0, 1.0]],
-            (_, Channels::Positioned(positions)) => positions.iter().map(gains_at).collect(),
+            (_, Channels::Positioned(positions)) => meant(*positions).iter().map(gains_at).collect(),
             (_, Channels::Custom(labels)) => labels
                 .iter()
                 .enumerate()
@@ -70,6 +70,32 @@ impl Downmix {
             }
             stereo.extend_from_slice(&mixed);
         }
+    }
+}
+
+/// The usual speakers of this number of channels, in WAVE order; those of eight for more. Opus has them, too (mapping
+/// family 1).
+pub(super) fn usual(channels: usize) -> Channels {
+    match channels {
+        1 => layouts::CHANNEL_LAYOUT_MONO,
+        2 => layouts::CHANNEL_LAYOUT_STEREO,
+        3 => layouts::CHANNEL_LAYOUT_3P0,
+        4 => layouts::CHANNEL_LAYOUT_4P0_QUAD,
+        5 => layouts::CHANNEL_LAYOUT_5P0,
+        6 => layouts::CHANNEL_LAYOUT_5P1,
+        7 => layouts::CHANNEL_LAYOUT_6P1,
+        _ => layouts::CHANNEL_LAYOUT_7P1,
+    }
+}
+
+/// A WAV file that names no speakers is read with the first ones of the mask. No layout of five or seven channels has
+/// those; the usual one is meant.
+fn meant(positions: Position) -> Position {
+    let is_unnamed = |count| Position::from_count(count) == Some(positions);
+    let count = [5_u16, 7].into_iter().find(|count| is_unnamed(u32::from(*count)));
+    match count.map(|count| usual(count.into())) {
+        Some(Channels::Positioned(usual)) => usual,
+        _ => positions,
     }
 }
 
@@ -150,6 +176,20 @@ mod tests {
         close(at(3), [0.0, 0.0]);
         close(at(4), [scale * MINUS_3_DB, 0.0]);
         close(at(5), [0.0, scale * MINUS_3_DB]);
+    }
+
+    #[test]
+    fn five_and_seven_channels_without_names_lose_none() {
+        let heard = |count: u32, at: usize| {
+            let mut frame = vec![0.0; count as usize];
+            frame[at] = 1.0;
+            let mixed = mix(Channels::Positioned(Position::from_count(count).unwrap()), &frame);
+            [mixed[0] > 0.1, mixed[1] > 0.1]
+        };
+        let (left, right, both, neither) = ([true, false], [false, true], [true, true], [false, false]);
+        assert_eq!([0, 1, 2, 3, 4].map(|at| heard(5, at)), [left, right, both, left, right]);
+        let seven = [0, 1, 2, 3, 4, 5, 6].map(|at| heard(7, at));
+        assert_eq!(seven, [left, right, both, neither, both, left, right]);
     }
 
     #[test]

@@ -44,8 +44,8 @@ pub struct SongTags {
 
 /// Decodes a sound file block by block: WAV, AIFF, FLAC, MP3, Ogg Vorbis, Opus, M4A (AAC-LC, ALAC) and
 /// Matroska with any of these codecs. Mono is played on both sides; more than two channels are mixed down
-/// (ITU-R BS.775). Encoder padding is removed if the file states its length. Seeking is exact to the frame
-/// (in Matroska, whose clock is coarse, to 1 ms).
+/// (ITU-R BS.775), but AAC is decoded with one or two only. Encoder padding is removed if the file states its length (in
+/// Matroska, only that before the sound). Seeking is exact to the frame (in Matroska, whose clock is coarse, to 1 ms).
 ///
 /// Ogg files may be a chain of several ones, as recordings of radio stations are; all links are read. The length of those
 /// that were not reached yet is not known.

@@ -3,15 +3,18 @@
 use std::io::{self, Read, SeekFrom};
 use std::sync::LazyLock;
 
+use symphonia::core::audio::Channels;
 use symphonia::core::codecs::audio::{
     AudioCodecId, AudioCodecParameters, AudioDecoder, AudioDecoderOptions, well_known,
 };
 use symphonia::core::codecs::registry::CodecRegistry;
 use symphonia::core::errors::Error as CodecError;
+use symphonia::core::formats::well_known::FORMAT_ID_MKV;
 use symphonia::core::formats::{FormatReader, Track, TrackType};
 use symphonia::core::io::MediaSource;
 use symphonia::core::units::TimeBase;
 
+use super::downmix::usual;
 use super::mp4_edits::Audible;
 use super::opus::{self, OpusDecoder};
 use crate::SoundError;
@@ -48,16 +51,14 @@ pub(super) fn open_track(name: &str, format: &dyn FormatReader) -> Result<Opened
     };
     let track: &Track = format.default_track(TrackType::Audio).ok_or_else(no_track)?;
     let params = track.codec_params.as_ref().and_then(|p| p.audio()).ok_or_else(no_track)?;
-    if let Some(rate_hz) = params.sample_rate {
+    // MP4 cannot state rates above 65535 Hz and leaves them at 0; that of the first decoded block is checked, too.
+    if let Some(rate_hz) = params.sample_rate.filter(|rate_hz| *rate_hz > 0) {
         crate::check_rate(name, rate_hz)?;
     }
-    let decoder = CODECS.make_audio_decoder(params, &AudioDecoderOptions::default()).map_err(|error| {
-        SoundError::UnsupportedCodec {
-            name: name.to_owned(),
-            codec: codec_name(params.codec).unwrap_or_else(|| error.to_string()),
-            advice: CONVERT,
-        }
-    })?;
+    let placed = if format.format_info().format == FORMAT_ID_MKV { with_speakers(params) } else { None };
+    let decoder = CODECS
+        .make_audio_decoder(placed.as_ref().unwrap_or(params), &AudioDecoderOptions::default())
+        .map_err(|error| unsupported(name, params.codec, &error))?;
     Ok(OpenedTrack {
         audible: audible_of(track, params),
         track_id: track.id,
@@ -66,6 +67,18 @@ pub(super) fn open_track(name: &str, format: &dyn FormatReader) -> Result<Opened
         is_guess: params.codec == well_known::CODEC_ID_MP3 && track.delay.unwrap_or(0) == 0,
         decoder,
     })
+}
+
+/// The same with the usual speakers: Matroska states only the number of channels, which PCM has in WAVE order. Other codecs
+/// know their own.
+fn with_speakers(params: &AudioCodecParameters) -> Option<AudioCodecParameters> {
+    if params.codec == well_known::CODEC_ID_OPUS {
+        return None;
+    }
+    let Some(Channels::Discrete(count @ 3..=8)) = params.channels else { return None };
+    let mut placed = params.clone();
+    placed.with_channels(usual(count.into()));
+    Some(placed)
 }
 
 fn audible_of(track: &Track, params: &AudioCodecParameters) -> Audible {
@@ -86,6 +99,20 @@ fn audible_of(track: &Track, params: &AudioCodecParameters) -> Audible {
 }
 
 const CONVERT: &str = "convert it to FLAC, WAV, MP3, M4A (AAC-LC), Ogg Vorbis or Opus";
+
+/// The error for sound of a codec, or of a kind of it, that no decoder takes.
+fn unsupported(name: &str, id: AudioCodecId, error: &CodecError) -> SoundError {
+    let (codec, advice) = match (codec_name(id), error) {
+        (Some(codec), _) => (codec, CONVERT),
+        // The decoder of AAC says only that it is too complex.
+        (None, CodecError::Unsupported(_)) if id == well_known::CODEC_ID_AAC => {
+            let advice = "convert it to stereo AAC-LC, FLAC or WAV";
+            ("multichannel or non-LC AAC".to_owned(), advice)
+        }
+        (None, error) => (error.to_string(), CONVERT),
+    };
+    SoundError::UnsupportedCodec { name: name.to_owned(), codec, advice }
+}
 
 fn codec_name(id: AudioCodecId) -> Option<String> {
     use well_known as known;

@@ -57,12 +57,19 @@ pub enum PlayerEvent {
 
 pub(super) enum Command {
     PlayList(Vec<PathBuf>),
-    Songs(Vec<PathBuf>),
+    /// Another list, and for each song of the present one its place in that, where it is known.
+    Songs(Vec<PathBuf>, Option<Vec<Option<usize>>>),
     Play,
     Pause,
     Seek(f64),
-    Next,
-    Previous,
+    /// Without `plays`, a paused player stays paused.
+    Next {
+        plays: bool,
+    },
+    /// Likewise.
+    Previous {
+        plays: bool,
+    },
     Select(usize),
     Repeat(Repeat),
     Crossfade(f64),
@@ -73,6 +80,8 @@ pub(super) enum Command {
 pub(super) struct Engine {
     shared: Arc<Shared>,
     commands: Receiver<Command>,
+    /// A command that was received, and is to be obeyed next.
+    waiting: Option<Command>,
     events: Sender<PlayerEvent>,
     audible: bool,
     device: Option<String>,
@@ -101,6 +110,7 @@ impl Engine {
         let mut engine = Self {
             shared,
             commands,
+            waiting: None,
             events,
             audible: settings.audible,
             device: settings.device,
@@ -122,7 +132,7 @@ impl Engine {
     /// Runs until the handle is dropped.
     pub fn run(mut self) {
         loop {
-            match self.commands.recv_timeout(STEP) {
+            match self.next_command() {
                 Ok(Command::Quit) | Err(RecvTimeoutError::Disconnected) => return self.hush(),
                 Ok(command) => self.obey(command),
                 Err(RecvTimeoutError::Timeout) => {}
@@ -132,6 +142,24 @@ impl Engine {
         }
     }
 
+    /// The next command, if one comes soon. Of seeks that wait in a row, as those of a slider that is dragged, the last one.
+    fn next_command(&mut self) -> Result<Command, RecvTimeoutError> {
+        let mut command = match self.waiting.take() {
+            Some(command) => command,
+            None => self.commands.recv_timeout(STEP)?,
+        };
+        while matches!(command, Command::Seek(_)) {
+            match self.commands.try_recv() {
+                Ok(next @ Command::Seek(_)) => command = next,
+                next => {
+                    self.waiting = next.ok();
+                    break;
+                }
+            }
+        }
+        Ok(command)
+    }
+
     fn obey(&mut self, command: Command) {
         match command {
             Command::PlayList(songs) => {
@@ -139,7 +167,7 @@ impl Engine {
                 self.list.number += 1;
                 self.start(Some(0), 0.0, true);
             }
-            Command::Songs(songs) => self.set_songs(songs),
+            Command::Songs(songs, places) => self.set_songs(songs, places),
             Command::Play if self.place().is_some() => self.set_playing(true),
             Command::Play => self.start(Some(self.list.current), 0.0, true),
             Command::Pause => self.set_playing(false),
@@ -148,13 +176,13 @@ impl Engine {
                 self.back_to_heard();
                 self.start(Some(self.list.current), secs, self.playing);
             }
-            Command::Next => {
+            Command::Next { plays } => {
                 self.back_to_heard();
-                self.start(self.list.after(true), 0.0, true);
+                self.start(self.list.after(true), 0.0, plays || self.playing);
             }
-            Command::Previous => {
+            Command::Previous { plays } => {
                 self.back_to_heard();
-                self.start(self.list.before(), 0.0, true);
+                self.start(self.list.before(), 0.0, plays || self.playing);
             }
             Command::Select(song) if song < self.list.songs.len() => self.start(Some(song), 0.0, true),
             Command::Select(_) => {}
@@ -172,8 +200,8 @@ impl Engine {
     /// Replaces the list around the song that plays. If that song is no longer in it, the one in its place
     /// plays. If only the one that is decoded ahead is not, or no longer comes next, the song that is heard goes on to its
     /// end, and then the list.
-    fn set_songs(&mut self, songs: Vec<PathBuf>) {
-        let places = self.list.places_in(&songs);
+    fn set_songs(&mut self, songs: Vec<PathBuf>, places: Option<Vec<Option<usize>>>) {
+        let places = places.unwrap_or_else(|| self.list.places_in(&songs));
         let heard = self.place().filter(|heard| heard.list == self.list.number);
         let heard = heard.and_then(|heard| Some(((*places.get(heard.song)?)?, heard)));
         self.shared.timeline().stretches.renumber(&places, self.list.number);
@@ -387,5 +415,30 @@ impl Engine {
     fn tell(&self, event: PlayerEvent) {
         // There may be no receiver.
         let _ = self.events.send(event);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+
+    #[test]
+    fn of_seeks_that_wait_the_last_one_is_obeyed() {
+        let ((commands, received), (report, _events)) = (channel(), channel());
+        let settings = PlayerSettings { audible: false, ..PlayerSettings::default() };
+        let mut engine = Engine::new(Arc::new(Shared::new(1.0)), received, report, settings);
+        let seek = |secs: f64| commands.send(Command::Seek(secs)).unwrap();
+        [1.0, 2.0].into_iter().for_each(seek);
+        commands.send(Command::Play).unwrap();
+        [3.0, 4.0, 5.0].into_iter().for_each(seek);
+        let obeyed: Vec<Option<f64>> = (0..3)
+            .map(|_| match engine.next_command() {
+                Ok(Command::Seek(secs)) => Some(secs),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(obeyed, [Some(2.0), None, Some(5.0)]);
     }
 }

@@ -7,7 +7,7 @@ use cpal::{FromSample, SizedSample};
 use rtrb::Consumer;
 
 use super::clock::Clock;
-use crate::SEAM_SECS;
+use crate::Seam;
 use crate::history::Frame;
 
 /// The reading end of a ring. [`fill`](Self::fill) runs in the audio callback: it must not allocate, lock or log, since a late
@@ -56,7 +56,7 @@ impl HandOut {
             self.seam.begin();
         }
         self.consumed = first;
-        let (is_paused, ramp) = (self.clock.is_paused(), self.seam.share());
+        let (is_paused, ramp) = (self.clock.is_paused(), 1.0 / self.seam.frames() as f32);
         let target = if is_paused { 0.0 } else { self.clock.volume() };
         let mut played = 0;
         for frame in data.chunks_mut(self.channels) {
@@ -90,49 +90,6 @@ impl HandOut {
     }
 }
 
-/// Joins two sounds that do not follow from each other, at a jump in the song or an edge of silence: the step between them
-/// is added to the second and fades out.
-struct Seam {
-    last: Frame,
-    step: Frame,
-    /// Remaining frames of the fade, and the frames of a whole fade.
-    left: u32,
-    length: u32,
-    begins: bool,
-}
-
-impl Seam {
-    fn new(rate_hz: u32) -> Self {
-        let length = ((SEAM_SECS * rate_hz as f32) as u32).max(1);
-        Self { last: [0.0; 2], step: [0.0; 2], left: 0, length, begins: false }
-    }
-
-    /// The share of a fade that one frame takes.
-    fn share(&self) -> f32 {
-        1.0 / self.length as f32
-    }
-
-    /// The next frame does not follow from the last.
-    fn begin(&mut self) {
-        self.begins = true;
-    }
-
-    fn is_over(&self) -> bool {
-        self.left == 0
-    }
-
-    fn over(&mut self, frame: Frame) -> Frame {
-        if std::mem::take(&mut self.begins) {
-            self.step = [self.last[0] - frame[0], self.last[1] - frame[1]];
-            self.left = self.length;
-        }
-        let share = self.left as f32 * self.share();
-        self.left = self.left.saturating_sub(1);
-        self.last = [frame[0] + share * self.step[0], frame[1] + share * self.step[1]];
-        self.last
-    }
-}
-
 /// Writes one frame. A single channel gets the mean of both; channels beyond the second are silent.
 fn write_frame<T: SizedSample + FromSample<f32>>(frame: &mut [T], [left, right]: Frame) {
     let (left, right) = (left.clamp(-1.0, 1.0), right.clamp(-1.0, 1.0));
@@ -160,6 +117,7 @@ pub(super) fn drop_flushed(consumer: &mut Consumer<Frame>, clock: &Clock, consum
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SEAM_SECS;
     use rtrb::{Producer, RingBuffer};
 
     const RATE_HZ: u32 = 48_000;
@@ -276,6 +234,20 @@ mod tests {
         assert!(desk.heard.iter().any(|sample| *sample < -0.3) && desk.clock.underruns() == 0);
         let step = desk.largest_step();
         assert!(step <= allowed(0.0), "{step} of {}", allowed(0.0));
+    }
+
+    #[test]
+    fn no_jump_is_louder_than_the_sound_around_it() {
+        let mut desk = Desk::new();
+        desk.write(2000, tone);
+        for frames in [1000, 1013, 150, 1059, 1090, 1200] {
+            desk.ask(frames, 0.0);
+            desk.clock.flush_before(desk.written);
+            desk.write(2000, tone);
+        }
+        desk.ask(1000, 0.0);
+        let loudest = desk.heard.iter().fold(0.0_f32, |most, sample| most.max(sample.abs()));
+        assert!(loudest <= LOUD + 1e-6, "{loudest}");
     }
 
     #[test]

@@ -56,6 +56,14 @@ pub struct PlayerStatus {
     pub underruns: u64,
 }
 
+/// How far [`Player::take_heard`] has taken what was heard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HeardTo {
+    /// Which output counts the frames.
+    output: u64,
+    frame: u64,
+}
+
 /// A player with a thread of its own. Dropping it ends the sound.
 ///
 /// ```
@@ -101,10 +109,19 @@ impl Player {
     }
 
     /// Changes the playlist around the song that plays. If that song is no longer in it, the song in its
-    /// place plays.
+    /// place plays. Of one that is there more than once, the first place is taken for the first, and so on.
     pub fn set_songs(&self, songs: Vec<PathBuf>) {
+        self.send_songs(songs, None);
+    }
+
+    /// The same where it is known to which place each song of the present list has gone: `None` is nowhere.
+    pub fn rearrange(&self, songs: Vec<PathBuf>, places: Vec<Option<usize>>) {
+        self.send_songs(songs, Some(places));
+    }
+
+    fn send_songs(&self, songs: Vec<PathBuf>, places: Option<Vec<Option<usize>>>) {
         self.lists.fetch_add(1, Ordering::Relaxed);
-        self.send(Command::Songs(songs));
+        self.send(Command::Songs(songs, places));
     }
 
     /// Continues after a pause, or starts again after the end.
@@ -124,14 +141,14 @@ impl Player {
         self.send(Command::Seek(secs));
     }
 
-    /// Plays the next song.
-    pub fn next(&self) {
-        self.send(Command::Next);
+    /// Goes to the next song. It plays where `plays`; otherwise a player that is paused or stopped does not begin to.
+    pub fn next(&self, plays: bool) {
+        self.send(Command::Next { plays });
     }
 
-    /// Plays the previous song.
-    pub fn previous(&self) {
-        self.send(Command::Previous);
+    /// Goes to the previous song, likewise.
+    pub fn previous(&self, plays: bool) {
+        self.send(Command::Previous { plays });
     }
 
     /// Plays the song with this index in the playlist; nothing changes where there is none.
@@ -237,42 +254,60 @@ impl Player {
         timeline.stretches.at(heard, rate_hz).map_or(0.0, |(_, secs)| secs)
     }
 
-    /// Appends all frames that were heard after frame `from`, before volume, at [`PlayerStatus::rate_hz`],
-    /// and sets `from` to the frame heard now; the first call appends nothing, nor does the first one after a change of
-    /// device, which counts anew. What a jump dropped was not heard. Frames more than a few seconds old are silence.
-    pub fn take_heard(&self, from: &mut Option<u64>, left: &mut Vec<f32>, right: &mut Vec<f32>) {
+    /// Appends all frames that were heard since the last call, before volume, at [`PlayerStatus::rate_hz`], and sets `from`
+    /// to the frame heard now; the first call appends nothing. After a change of device, the frames are those of the new
+    /// one. What a jump dropped was not heard. Frames more than a few seconds old are silence.
+    ///
+    /// Returns where in `left` frames come, now or with the next call, that do not follow from those before: at first,
+    /// behind a jump, and from another device. A [`Seam`](crate::Seam) joins them.
+    pub fn take_heard(
+        &self,
+        from: &mut Option<HeardTo>,
+        left: &mut Vec<f32>,
+        right: &mut Vec<f32>,
+    ) -> Vec<usize> {
         let timeline = self.shared.timeline();
         let rate_hz = timeline.rate_hz.max(1);
         let heard = self.shared.clock.shown_frame(Instant::now(), rate_hz).round().max(0.0) as u64;
-        let (count, now) = since(*from, heard, u64::from(rate_hz));
-        *from = Some(now);
-        let parts = timeline.dropped.heard_of(heard - count..heard);
+        let output = timeline.outputs;
+        let (first, mut next) = match *from {
+            None => (heard, None),
+            Some(known) if known.output == output => (known.frame, Some(known.frame)),
+            // Another one counts from its beginning.
+            Some(_) => (0, None),
+        };
+        // A clock that goes back a little stands still.
+        let end = heard.max(first);
+        *from = Some(HeardTo { output, frame: end });
+        let mut breaks = Vec::new();
+        let parts = timeline.dropped.heard_of(first..end);
         let all: u64 = parts.clone().map(|part| part.end - part.start).sum();
         let mut too_old = all.saturating_sub(4 * u64::from(rate_hz));
         for part in parts {
             let old = too_old.min(part.end - part.start);
             too_old -= old;
             let before = left.len();
+            if next != Some(part.start + old) {
+                breaks.push(before);
+            }
+            next = Some(part.end);
             let after = before + (part.end - part.start - old) as usize;
             left.resize(after, 0.0);
             right.resize(after, 0.0);
-            let (Some(left), Some(right)) = (left.get_mut(before..), right.get_mut(before..)) else { return };
+            let (Some(left), Some(right)) = (left.get_mut(before..), right.get_mut(before..)) else {
+                continue;
+            };
             timeline.history.window(part.end as i64, left, right);
         }
+        if next != Some(end) {
+            breaks.push(left.len());
+        }
+        breaks
     }
 
     fn send(&self, command: Command) {
         // The engine ends only together with this handle, or by a bug, which is an event.
         let _ = self.commands.send(command);
-    }
-}
-
-/// How many frames were heard since frame `from`, and the frame to go on from. A clock that goes back a little stands still;
-/// one that goes back by more than a second is another device's.
-fn since(from: Option<u64>, heard: u64, rate_hz: u64) -> (u64, u64) {
-    match from.filter(|from| *from <= heard + rate_hz) {
-        None => (0, heard),
-        Some(from) => (heard.saturating_sub(from), from.max(heard)),
     }
 }
 
@@ -288,6 +323,7 @@ impl Drop for Player {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::history::History;
 
     #[test]
     fn that_the_engine_is_gone_is_reported_once_and_nothing_plays() {
@@ -308,10 +344,39 @@ mod tests {
     }
 
     #[test]
-    fn what_was_heard_goes_on_after_a_change_of_device() {
-        assert_eq!(since(None, 500, 48_000), (0, 500));
-        assert_eq!(since(Some(500), 1500, 48_000), (1000, 1500));
-        assert_eq!(since(Some(1500), 1400, 48_000), (0, 1500), "a clock that goes back a little");
-        assert_eq!(since(Some(28_800_000), 700, 48_000), (0, 700), "another device counts anew");
+    fn what_was_heard_is_taken_once_over_jumps_and_from_the_first_frame_of_another_device() {
+        let shared = Arc::new(Shared::new(1.0));
+        let ((commands, _), (_, events)) = (channel(), channel());
+        let (lists, is_gone) = (AtomicU64::new(0), AtomicBool::new(false));
+        let player = Player { shared: Arc::clone(&shared), lists, commands, events, is_gone, thread: None };
+        // Each sample is the number of its frame.
+        let open_another = || {
+            let mut timeline = shared.timeline();
+            timeline.outputs += 1;
+            (timeline.rate_hz, timeline.history) = (48_000, History::new(48_000));
+            timeline.dropped.clear();
+            (0..3_000).for_each(|n| timeline.history.push([n as f32; 2]));
+        };
+        let mut from = None;
+        // The first and the last frame, how many there are, and where one does not follow.
+        let mut take_to = |frame: u64| {
+            shared.clock.anchor(frame, Instant::now(), frame, frame);
+            let (mut left, mut right) = (Vec::new(), Vec::new());
+            let breaks = player.take_heard(&mut from, &mut left, &mut right);
+            assert_eq!(left, right);
+            (left.first().copied().zip(left.last().copied()), left.len(), breaks)
+        };
+        open_another();
+        assert_eq!(take_to(500), (None, 0, vec![0]), "what came before is unknown");
+        assert_eq!(take_to(1_500), (Some((500.0, 1_499.0)), 1_000, vec![]));
+        assert_eq!(take_to(1_400), (None, 0, vec![]), "a clock that goes back a little");
+        assert_eq!(take_to(1_600), (Some((1_500.0, 1_599.0)), 100, vec![]));
+        shared.timeline().dropped.add(1_700..2_000);
+        assert_eq!(take_to(2_100), (Some((1_600.0, 2_099.0)), 200, vec![100]));
+        shared.timeline().dropped.add(2_100..2_500);
+        assert_eq!(take_to(2_500), (None, 0, vec![0]), "a jump that nothing was heard behind yet");
+        assert_eq!(take_to(2_600), (Some((2_500.0, 2_599.0)), 100, vec![]));
+        open_another();
+        assert_eq!(take_to(700), (Some((0.0, 699.0)), 700, vec![0]));
     }
 }

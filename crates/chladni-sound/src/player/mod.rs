@@ -12,7 +12,7 @@ mod shared;
 mod tail;
 
 pub use engine::PlayerEvent;
-pub use handle::{MOST_AHEAD_SECS, Player, PlayerState, PlayerStatus};
+pub use handle::{HeardTo, MOST_AHEAD_SECS, Player, PlayerState, PlayerStatus};
 pub use output::{OutputDevice, output_devices};
 pub use queue::Repeat;
 pub use settings::PlayerSettings;

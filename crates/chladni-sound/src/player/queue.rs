@@ -39,16 +39,19 @@ impl Playlist {
         }
     }
 
-    /// For each song, its index in another list: the old index if the song is still there, else the first
-    /// index of the same file.
+    /// For each song, its index in another list. Of a song that is in a list more than once, the first place is still the
+    /// first, and so on; where the other list has fewer, the rest are the last there.
     pub fn places_in(&self, songs: &[PathBuf]) -> Vec<Option<usize>> {
         // A hash map, because the list may be long and playback waits for the result.
-        let first: HashMap<&PathBuf, usize> = (0..songs.len()).rev().map(|i| (&songs[i], i)).collect();
-        let place = |(i, old): (usize, &PathBuf)| match songs.get(i) {
-            Some(same) if same == old => Some(i),
-            _ => first.get(old).copied(),
+        let mut places: HashMap<&PathBuf, VecDeque<usize>> = HashMap::new();
+        for (place, song) in songs.iter().enumerate() {
+            places.entry(song).or_default().push_back(place);
+        }
+        let place = |song: &PathBuf| {
+            let left = places.get_mut(song)?;
+            if left.len() > 1 { left.pop_front() } else { left.front().copied() }
         };
-        self.songs.iter().enumerate().map(place).collect()
+        self.songs.iter().map(place).collect()
     }
 
     /// The song before the current one.
@@ -203,6 +206,17 @@ mod tests {
         stretches.renumber(&[Some(0), None], 5);
         stretches.renumber(&[Some(0), Some(0)], 6);
         assert_eq!(heard(&mut stretches), Some((5, 1)), "what was removed");
+    }
+
+    #[test]
+    fn of_a_song_that_is_in_the_list_twice_each_place_is_found_again() {
+        let places = |before: &[&str], after: &[&str]| {
+            let songs = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
+            Playlist { songs: songs(before), ..Playlist::default() }.places_in(&songs(after))
+        };
+        assert_eq!(places(&["a", "b", "a"], &["a", "a"]), [Some(0), None, Some(1)]);
+        assert_eq!(places(&["c", "a", "b", "a"], &["a", "b", "a"]), [None, Some(0), Some(1), Some(2)]);
+        assert_eq!(places(&["a", "b", "a"], &["b", "a"]), [Some(1), Some(0), Some(1)], "one is left");
     }
 
     #[test]

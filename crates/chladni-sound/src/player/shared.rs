@@ -16,6 +16,8 @@ pub(super) struct Timeline {
     pub stretches: Stretches,
     pub dropped: Dropped,
     pub history: History,
+    /// How many outputs there were: each counts its frames anew.
+    pub outputs: u64,
     pub rate_hz: u32,
     pub device: Option<String>,
     pub playing: bool,
@@ -32,6 +34,7 @@ impl Shared {
             stretches: Stretches::default(),
             dropped: Dropped::default(),
             history: History::new(0),
+            outputs: 0,
             rate_hz: 0,
             device: None,
             playing: false,

@@ -14,6 +14,8 @@ pub enum Level {
 /// The lowest level of the loudest band (−74 dB). It keeps the noise before a song from being amplified to
 /// the level of music.
 const FLOOR: f32 = 2e-4;
+/// Below the floor a sound fades to nothing; this share of the floor (−194 dB in all) stands for silence.
+const NOTHING: f32 = 1e-6;
 /// How long the loudest moment is remembered: a bar of slow music.
 const MEMORY_SECS: f64 = 2.0;
 /// The memory consists of this many slots of an eighth of a second.
@@ -79,7 +81,8 @@ impl Leveler {
             let keep = (-dt_secs / LOUD_RELEASE_SECS).exp() as f32;
             self.loud = followed(self.loud, level, keep);
         }
-        self.softness = (level / self.loud).min(1.0).powf(DYNAMICS);
+        // Lifting each band would undo the floor.
+        self.softness = self.whole.presence * (level / self.loud).min(1.0).powf(DYNAMICS);
         let keep = (-dt_secs / BAND_RELEASE_SECS).exp() as f32;
         for (own, amplitude) in self.bands.iter_mut().zip(amplitudes) {
             let now = (*amplitude / level).clamp(SOFTEST, 1.0);
@@ -104,11 +107,13 @@ struct LevelFollower {
     slot: usize,
     slot_secs: f64,
     level: f32,
+    /// The level as a share of the floor, in [`NOTHING`, 1].
+    presence: f32,
 }
 
 impl LevelFollower {
     fn new() -> Self {
-        Self { slots: [0.0; SLOTS], slot: 0, slot_secs: 0.0, level: 0.0 }
+        Self { slots: [0.0; SLOTS], slot: 0, slot_secs: 0.0, level: 0.0, presence: NOTHING }
     }
 
     /// Takes the amplitude of the loudest band, `dt_secs` after the previous one. Returns the level.
@@ -122,8 +127,10 @@ impl LevelFollower {
             self.slots[self.slot] = 0.0;
         }
         self.slots[self.slot] = self.slots[self.slot].max(loudest);
-        let remembered = self.slots.iter().fold(FLOOR, |a, &b| a.max(b));
-        self.level = followed(self.level, remembered, (-dt_secs / RELEASE_SECS).exp() as f32);
+        let remembered = self.slots.iter().fold(0.0f32, |a, &b| a.max(b));
+        let keep = (-dt_secs / RELEASE_SECS).exp() as f32;
+        self.level = followed(self.level, remembered.max(FLOOR), keep);
+        self.presence = followed(self.presence, (remembered / FLOOR).clamp(NOTHING, 1.0), keep);
         self.level
     }
 }

@@ -1,6 +1,6 @@
 //! The sound of one beat, and the signs that a bar begins with it.
 
-use super::frame::{CLASSES, FRAME_RATE_HZ, Frame, OCTAVES};
+use super::frame::{CLASSES, FRAME_RATE_HZ, Frame, OCTAVES, WINDOW_SECS};
 use crate::{ONSET_RATE_HZ, Onset};
 
 /// The number of parts into which a beat is divided for its rhythm.
@@ -17,7 +17,7 @@ pub(super) struct BeatFeatures {
     pub octaves: [f32; OCTAVES],
     /// Onsets in all bands and in the bass, for each quarter of the beat.
     pub rhythm: [[f32; PARTS]; 2],
-    /// Mean square of the samples.
+    /// Mean square of the samples, the stroke on the beat included.
     pub power: f32,
 }
 
@@ -25,17 +25,23 @@ impl BeatFeatures {
     /// Features from `begin_secs` to `end_secs`. Frames and onsets begin at time 0.
     pub fn between(begin_secs: f64, end_secs: f64, frames: &[Frame], onsets: &[Onset]) -> Self {
         let span = (end_secs - begin_secs).max(1e-3);
+        let within = |from_secs: f64, to_secs: f64| {
+            let at = |secs: f64| (secs * FRAME_RATE_HZ).round().max(0.0) as usize;
+            let (from, to) = (at(from_secs), at(to_secs).max(at(from_secs) + 1));
+            frames.get(from.min(frames.len())..to.min(frames.len())).unwrap_or_default()
+        };
         // Skips the start of the beat, where the windows still overlap the sound before it.
-        let from = ((begin_secs + 0.2 * span) * FRAME_RATE_HZ).round().max(0.0) as usize;
-        let to = ((end_secs * FRAME_RATE_HZ).round().max(0.0) as usize).max(from + 1);
-        let heard = frames.get(from.min(frames.len())..to.min(frames.len())).unwrap_or_default();
-        let mut beat = Self::default();
+        let heard = within(begin_secs + 0.2 * span, end_secs);
+        // For power the stroke on the beat counts: all windows that reach it, but none that reaches the next one.
+        let reach_secs = 0.5 * WINDOW_SECS;
+        let struck = within(begin_secs - reach_secs, end_secs - reach_secs);
+        let power = struck.iter().map(|frame| frame.power).sum::<f32>() / struck.len().max(1) as f32;
+        let mut beat = Self { power, ..Self::default() };
         for frame in heard {
             let share = 1.0 / heard.len() as f32;
             beat.chroma.iter_mut().zip(frame.chroma).for_each(|(sum, note)| *sum += share * note);
             beat.bass.iter_mut().zip(frame.bass).for_each(|(sum, note)| *sum += share * note);
             beat.octaves.iter_mut().zip(frame.octaves).for_each(|(sum, power)| *sum += share * power);
-            beat.power += share * frame.power;
         }
         beat.octaves.iter_mut().for_each(|power| *power = (1e-8 + *power).ln());
         (beat.chroma, beat.bass) = (unit(beat.chroma), unit(beat.bass));

@@ -172,4 +172,18 @@ mod tests {
             assert!(bars.gone[1] > 2000, "what is old goes");
         }
     }
+
+    #[test]
+    fn a_short_stroke_on_each_beat_is_as_loud_as_it_is() {
+        let mut bars = BarFollower::new(16_000).unwrap();
+        // One beat a second: a tone of 10 ms, then silence.
+        let tone = |n: u16| if n < 160 { 0.5 * (0.4 * f32::from(n)).sin() } else { 0.0 };
+        let beat: Vec<f32> = (0..16_000).map(tone).collect();
+        for second in 0..20 {
+            bars.beat(f64::from(second));
+            bars.push(&beat, &beat, &[Onset::default(); 100]);
+        }
+        // There are no onsets: loudness alone.
+        assert!(bars.energy > 0.6, "{}", bars.energy);
+    }
 }

@@ -8,7 +8,7 @@ use crate::windowed::{SlidingWindow, WindowedFft, window_frames};
 /// Frames per second.
 pub(super) const FRAME_RATE_HZ: f64 = 20.0;
 /// Long enough to resolve the notes of a bass.
-const WINDOW_SECS: f64 = 0.186;
+pub(super) const WINDOW_SECS: f64 = 0.186;
 pub(super) const CLASSES: usize = 12;
 /// The number of octave bands, from 62.5 Hz on. The first also holds everything below, the last everything
 /// above.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use chladni_sound::{Player, PlayerEvent, PlayerState, Repeat, Song, WavSample, write_wav};
+use chladni_sound::{HeardTo, Player, PlayerEvent, PlayerState, Repeat, Song, WavSample, write_wav};
 use chladni_testdata::HANGS;
 
 use super::{paused_at, silent, wait};
@@ -48,7 +48,7 @@ fn parts(left: &[f32]) -> Vec<(i64, i64)> {
 
 /// What is heard of a player.
 struct Ear {
-    from: Option<u64>,
+    from: Option<HeardTo>,
     left: Vec<f32>,
     right: Vec<f32>,
 }

@@ -178,7 +178,7 @@ fn a_playlist_goes_on_over_a_broken_song_and_ends() {
     // have ended by itself.
     player.play_list(vec![write_tone(folder.path(), "long.wav", 22_050, 60.0)]);
     player.repeat(Repeat::Off);
-    player.next();
+    player.next(true);
     wait("the end of the list", || player.status().state == PlayerState::Stopped);
     assert!(!player.status().is_over);
 }
@@ -290,6 +290,31 @@ fn a_pause_after_the_last_sample_was_decoded_goes_on_where_it_began() {
         events.contains(&PlayerEvent::Finished)
     });
     assert_eq!(events, [PlayerEvent::SongStarted(0), PlayerEvent::Finished]);
+}
+
+#[test]
+fn a_paused_player_goes_to_other_songs_and_stays_paused_until_one_is_to_play() {
+    let folder = tempfile::tempdir().unwrap();
+    let songs = ["a.wav", "b.wav", "c.wav"].map(|name| write_tone(folder.path(), name, 8000, 60.0));
+    let player = silent();
+    player.play_list(songs.to_vec());
+    wait("the first song", || player.status().state == PlayerState::Playing);
+    paused_at(&player);
+    let begins = |song: usize| {
+        wait("that song", || player.events().any(|event| event == PlayerEvent::SongStarted(song)));
+    };
+    begins(0);
+    player.next(false);
+    begins(1);
+    player.next(false);
+    begins(2);
+    player.previous(false);
+    begins(1);
+    let status = player.status();
+    assert_eq!((status.state, status.song), (PlayerState::Paused, 1));
+    assert!(status.position_secs < 0.05, "{status:?}");
+    player.next(true);
+    wait("that it plays", || player.status().state == PlayerState::Playing);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
 use chladni_task::{folder_of, private_folder};
-use tempfile::TempDir;
+use tempfile::{NamedTempFile, TempDir};
 
 use super::ffmpeg::{add_input, ffmpeg, ffmpeg_is_there, file_argument};
 use super::{beside, persist};
@@ -26,6 +26,8 @@ const MOST_BYTES: u64 = 64 << 10;
 pub(super) struct RecordingFolder {
     folder: TempDir,
     film: PathBuf,
+    /// A film was there before, whose place it takes.
+    replaces: bool,
     sound_hz: u32,
     /// Holds the lock.
     _note: File,
@@ -42,7 +44,8 @@ impl RecordingFolder {
         writeln!(note, "{sound_hz}\n{name}")?;
         // Not every volume can flush; without it, only a power cut would lose the note.
         let _ = note.sync_all();
-        Ok(Self { folder, film: film.to_owned(), sound_hz, _note: note })
+        let replaces = film.symlink_metadata().is_ok();
+        Ok(Self { folder, film: film.to_owned(), replaces, sound_hz, _note: note })
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -64,13 +67,30 @@ impl RecordingFolder {
         self.path().join(SOUND)
     }
 
-    /// Puts picture and sound together into the film, which lasts `secs`. If that fails, the folder stays.
-    pub(super) fn join(self, secs: f64) -> Result<(), ViewError> {
-        let joined = join((&self.picture(), &self.sound(), self.sound_hz), Some(secs), &self.film);
+    /// Puts picture and sound together into the film, which lasts `secs`; returns where it is. If that fails, the folder
+    /// stays.
+    pub(super) fn join(self, secs: f64) -> Result<PathBuf, ViewError> {
+        let file = join((&self.picture(), &self.sound(), self.sound_hz), Some(secs), &self.film);
+        let joined = file.and_then(|file| self.name(file));
         if joined.is_err() {
             self.keep();
         }
         joined
+    }
+
+    /// Gives the film its name, or one with a number where a file has come there since it began: another window may have
+    /// recorded under the same name.
+    fn name(&self, file: NamedTempFile) -> Result<PathBuf, ViewError> {
+        if self.replaces {
+            persist(file, &self.film)?;
+            return Ok(self.film.clone());
+        }
+        let film = claimed(&self.film).map_err(ViewError::at(&self.film))?;
+        let named = persist(file, &film);
+        if named.is_err() && !has_bytes(&film) {
+            let _ = std::fs::remove_file(&film);
+        }
+        named.map(|()| film)
     }
 
     /// It stays, for [`CutOff`].
@@ -133,7 +153,8 @@ impl CutOff {
             return Err(ViewError::NoFfmpeg);
         }
         let film = self.free_name();
-        join((&self.folder.join(PICTURE), &self.folder.join(SOUND), self.sound_hz), None, &film)?;
+        let file = join((&self.folder.join(PICTURE), &self.folder.join(SOUND), self.sound_hz), None, &film)?;
+        persist(file, &film)?;
         std::fs::remove_dir_all(&self.folder).map_err(ViewError::at(&self.folder))?;
         Ok(film)
     }
@@ -153,16 +174,31 @@ impl CutOff {
     }
 }
 
+/// Takes the name `film`, or the first one with a number that is free, by an empty file.
+fn claimed(film: &Path) -> std::io::Result<PathBuf> {
+    let stem = film.file_stem().unwrap_or_default().to_string_lossy();
+    let (mut name, mut number) = (film.to_owned(), 1);
+    loop {
+        match File::create_new(&name) {
+            Err(why) if why.kind() == std::io::ErrorKind::AlreadyExists => {
+                number += 1;
+                name = film.with_file_name(format!("{stem} ({number}).mp4"));
+            }
+            made => return made.map(|_| name),
+        }
+    }
+}
+
 fn has_bytes(path: &Path) -> bool {
     path.metadata().is_ok_and(|file| file.len() > 0)
 }
 
-/// Puts a picture and its sound together, with silence up to `secs` where that is known.
+/// Puts a picture and its sound together, with silence up to `secs` where that is known, in a file beside `film`.
 fn join(
     (picture, sound, sound_hz): (&Path, &Path, u32),
     secs: Option<f64>,
     film: &Path,
-) -> Result<(), ViewError> {
+) -> Result<NamedTempFile, ViewError> {
     let file = beside(film)?;
     let mut command = ffmpeg();
     command.args(["-y", "-nostdin", "-loglevel", "error"]);
@@ -181,5 +217,5 @@ fn join(
     if !said.status.success() {
         return Err(ViewError::Ffmpeg(String::from_utf8_lossy(&said.stderr).trim().to_owned()));
     }
-    persist(file, film)
+    Ok(file)
 }

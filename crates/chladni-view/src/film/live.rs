@@ -32,6 +32,7 @@ const SILENT_FRAMES: usize = 4096;
 #[derive(Debug)]
 pub struct LiveFilm {
     folder: PathBuf,
+    path: PathBuf,
     sender: Option<SyncSender<Message>>,
     waiting: Arc<AtomicUsize>,
     /// How many pictures long it is, once it is finished; 0 before.
@@ -42,7 +43,7 @@ pub struct LiveFilm {
     last: Option<u64>,
     sounded: u64,
     left_out: u64,
-    thread: Option<JoinHandle<Result<u64, ViewError>>>,
+    thread: Option<JoinHandle<Result<(u64, PathBuf), ViewError>>>,
 }
 
 enum Message {
@@ -94,6 +95,7 @@ impl LiveFilm {
         let thread = Some(thread);
         Ok(Self {
             folder: place,
+            path: path.to_owned(),
             sender: Some(sender),
             waiting,
             slots,
@@ -110,6 +112,11 @@ impl LiveFilm {
     /// makes a film of the pieces there.
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// Its file. Once it has [`ended`](Self::ended), the name has a number where another file has come there meanwhile.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Whether a picture is wanted at `at_secs` since it began.
@@ -209,7 +216,11 @@ impl LiveFilm {
     /// As [`ended`](Self::ended), but waits for it.
     pub fn wait(&mut self) -> Option<Result<u64, ViewError>> {
         let stopped = || Err(ViewError::Film("its encoder stopped".into()));
-        self.thread.take().map(|thread| thread.join().unwrap_or_else(|_| stopped()))
+        let ended = self.thread.take()?.join().unwrap_or_else(|_| stopped());
+        Some(ended.map(|(frames, path)| {
+            self.path = path;
+            frames
+        }))
     }
 }
 
@@ -227,11 +238,16 @@ struct Writer {
 }
 
 impl Writer {
-    fn run(mut self, messages: &Receiver<Message>, waiting: &AtomicUsize) -> Result<u64, ViewError> {
+    /// How many frames it has, and where it is.
+    fn run(
+        mut self,
+        messages: &Receiver<Message>,
+        waiting: &AtomicUsize,
+    ) -> Result<(u64, PathBuf), ViewError> {
         match self.take(messages, waiting) {
             Ok(true) => self.finish(),
             // Dropped: nobody wants it.
-            Ok(false) => Ok(0),
+            Ok(false) => Ok((0, self.folder.film().to_owned())),
             Err(why) => {
                 // The frames so far can still become a film.
                 drop(self.encoder);
@@ -285,15 +301,14 @@ impl Writer {
         Ok(())
     }
 
-    fn finish(mut self) -> Result<u64, ViewError> {
+    fn finish(mut self) -> Result<(u64, PathBuf), ViewError> {
         let flushed = self.sound.flush().map_err(ViewError::at(self.folder.film()));
         let Self { folder, encoder, rate, written, .. } = self;
         if let Err(why) = flushed.and_then(|()| Box::new(encoder).finish()) {
             folder.keep();
             return Err(why);
         }
-        folder.join(rate.start_secs(written))?;
-        Ok(written)
+        Ok((written, folder.join(rate.start_secs(written))?))
     }
 }
 
@@ -413,11 +428,33 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
+    #[test]
+    fn a_film_replaces_only_what_was_there_when_it_began() {
+        if !ffmpeg_is_there() {
+            return println!("skipped: no ffmpeg");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("set.mp4");
+        let begin = || LiveFilm::begin(&path, (64, 48), FrameRate::per_second(30), 8000).unwrap();
+        let end = |mut film: LiveFilm| {
+            film.picture(0.0, flat(64, 48, 200));
+            film.finish(0.1);
+            wait(&mut film);
+            film.path().file_name().unwrap().to_owned()
+        };
+        // Two windows hear the same controller.
+        let (one, other) = (begin(), begin());
+        assert_eq!([end(one), end(other)], ["set.mp4", "set (2).mp4"]);
+        assert_eq!(end(begin()), "set.mp4", "it was chosen");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
     /// A film without an encoder, and what would be written of it.
     fn unwritten() -> (LiveFilm, Receiver<Message>) {
         let (sender, receiver) = sync_channel(MOST_MESSAGES);
         let film = LiveFilm {
             folder: PathBuf::new(),
+            path: PathBuf::new(),
             sender: Some(sender),
             waiting: Arc::default(),
             slots: Arc::default(),

@@ -17,6 +17,7 @@ use super::Terminal;
 use super::gallery::GalleryOptions;
 use super::ink::{InkOptions, check_drawing};
 use super::layer_options::LayerOptions;
+use super::movement::say_movement;
 use super::portrait::{self, Portrait};
 use super::region::RegionOptions;
 use super::resolution::ResolutionOptions;
@@ -28,7 +29,7 @@ use crate::work::outputs::{
 };
 use crate::work::{
     Error, FIRST_SEED, Made, OwnLook, Sculpture, Share, Subject, Warning, Watcher, check_template,
-    check_templates, digits, make, settled, sitter, source,
+    check_templates, make, settled, sitter, source,
 };
 
 /// Exaggerate what makes a shape differ from a template.
@@ -85,7 +86,8 @@ pub struct Caricature {
     /// begin with #: as seen from the current folder, or else from that of the list.
     #[arg(long, value_name = "DIR|LIST", requires = "recipe", conflicts_with = "shape")]
     batch: Option<PathBuf>,
-    /// Of the meshes of --batch, only piece I of N, in order of name: what many machines share (docs/scale.md).
+    /// Of the meshes of --batch, only piece I of N, in order of name or of the list: what many machines share
+    /// (docs/scale.md).
     #[arg(long, value_name = "I/N", requires = "batch")]
     piece: Option<Share>,
     /// Leave results of --batch that are there already, which are whole or missing.
@@ -173,7 +175,8 @@ impl Caricature {
 
     fn pictures<'a>(&'a self, path: Option<&'a Path>) -> Pictures<'a> {
         let Self { portrait, sheet, ink, turntable, .. } = self;
-        Pictures { path, turntable, portrait, sheet, ink }
+        let usual_curve = self.recipe.is_none() && !self.layer.names_curve();
+        Pictures { path, turntable, portrait, sheet, usual_curve, ink }
     }
 
     /// The project that the arguments ask for, without layers.
@@ -272,6 +275,8 @@ struct Pictures<'a> {
     turntable: &'a TurntableOptions,
     portrait: &'a Portrait,
     sheet: &'a SheetOptions,
+    /// The top layer has the usual scale curve of its μ.
+    usual_curve: bool,
     ink: &'a InkOptions,
 }
 
@@ -325,7 +330,7 @@ fn finish(
     pictures: Pictures<'_>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let Pictures { path, turntable, .. } = pictures;
+    let Pictures { path, turntable, sheet, .. } = pictures;
     let templates = project.layers().iter().map(|(_, layer)| &layer.template);
     let paths: Vec<&Path> = path.into_iter().chain(turntable.turntable.as_deref()).collect();
     check_textures(&paths, (shape, subject.whole()), templates)?;
@@ -336,7 +341,10 @@ fn finish(
     let (body, _) = body::build(&name, &subject.mesh, project.harmonics, project.laplacian, terminal)?;
     let mut made = make(subject, Arc::new(body), project, false, terminal)?;
     made.sculpture.source = shape.clone();
-    describe(&made, terminal)?;
+    // A sweep draws other results, which are described as they are made.
+    if output.is_some() || turntable.turntable.is_some() || sheet.sweep.is_empty() {
+        describe(&made, terminal)?;
+    }
     // An OBJ comes last: its textures take names that the pictures have left free.
     let is_last = output.is_some_and(|output| Format::of_path(output) == Some(Format::Obj));
     let save = |sculpture: &Sculpture, now: bool| match output {
@@ -358,7 +366,7 @@ fn draw(
     pictures: Pictures<'_>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let Pictures { path, turntable, portrait, sheet, ink } = pictures;
+    let Pictures { path, turntable, portrait, sheet, usual_curve, ink } = pictures;
     if path.is_none() && turntable.turntable.is_none() {
         return Ok(());
     }
@@ -372,6 +380,7 @@ fn draw(
     let from = portrait.camera(name, &subject.mesh, project.stands, made.stands, terminal)?;
     let size = portrait.size();
     if let Some(path) = path {
+        let sheet = (sheet, usual_curve);
         portrait::render(made, look, project, path, (from, size), sheet, ink, terminal)?;
         terminal.wrote(path)?;
     }
@@ -386,25 +395,7 @@ fn draw(
 fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
     let Made { sculpture, stack, .. } = made;
     for layer in &sculpture.evaluation.layers {
-        let Some(displacement) = &layer.displacement else {
-            terminal.result(format_args!("{}: off", layer.name))?;
-            continue;
-        };
-        let farthest = displacement.iter().map(|d| d[0].hypot(d[1]).hypot(d[2])).fold(0.0, f64::max);
-        let folded = layer.folds(stack.surface());
-        let name = &layer.name;
-        let scale = sculpture.body.frame.scale;
-        let by = digits(farthest / scale, 1.0 / scale);
-        let folded = counted(folded, "triangle", "triangles");
-        terminal.result(format_args!("{name}: moves up to {by} units, {folded} folded"))?;
-        if let Some(kept) = &layer.kept {
-            // Turned aside, it may move a little farther than it would have.
-            let share = 100.0 * kept.share.min(1.0);
-            let crossing = counted(kept.crossing, "triangle", "triangles");
-            terminal.result(format_args!(
-                "{name}: keeps {share:.0} % of its movement, {crossing} newly crossing"
-            ))?;
-        }
+        say_movement(&layer.name, layer, stack, terminal)?;
     }
     let crossings = Crossings::of(stack.surface().clone());
     let crossing = |base: &Base| {

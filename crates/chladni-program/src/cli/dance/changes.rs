@@ -57,6 +57,10 @@ fn set(text: &str) -> Result<Action, String> {
             return Err(format!("{name} is a number from {low} to {high}"));
         }
     }
+    // Fewer than none would be all of them.
+    if name == "harmonics" && !value.parse::<f32>().is_ok_and(|number| (0.0..=16_384.0).contains(&number)) {
+        return Err("harmonics is a number from 0 (all) to 16384".into());
+    }
     setting(name, value).ok_or_else(|| {
         // Whatever has a value takes 0.
         if setting(name, "0").is_some() {

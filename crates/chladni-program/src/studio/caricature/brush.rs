@@ -155,8 +155,8 @@ impl BrushTool {
     }
 }
 
-/// Of ways to paint that exclude each other, the one that was switched on last.
-fn one_way(before: [bool; 3], now: [bool; 3]) -> [bool; 3] {
+/// Of ways to work that exclude each other, the one that was switched on last.
+pub fn one_way(before: [bool; 3], now: [bool; 3]) -> [bool; 3] {
     match (0..3).find(|way| now[*way] && !before[*way]) {
         Some(on) => std::array::from_fn(|way| way == on),
         None => now,

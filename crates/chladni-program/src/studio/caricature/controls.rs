@@ -29,6 +29,8 @@ pub struct Measured<'a> {
     pub mirror: Option<Option<MirrorPlane>>,
     /// Triangles folded by this layer; `None` where it could not be matched and does nothing.
     pub folds: Option<usize>,
+    /// The layer does nothing yet: its match is still to come.
+    pub waits: bool,
     /// Triangles of the whole result that pass through others; `None` until they are counted.
     pub crossings: Option<crossings::Count>,
     /// How far the layer is held back, where the project keeps triangles.
@@ -110,8 +112,9 @@ impl Controls {
 
     fn scale(&mut self, ui: &mut Ui, id: LayerId, layer: &Layer, spectrum: &Spectrum, edits: &mut Edits) {
         ui.horizontal(|ui| {
+            // All in one row, also beside a scroll bar.
             ui.spacing_mut().item_spacing.x = 3.0;
-            ui.spacing_mut().button_padding.x = 7.0;
+            ui.spacing_mut().button_padding.x = 6.0;
             let presets = [
                 ("all", "Every scale alike", ScaleCurve::flat(1.0)),
                 (
@@ -225,6 +228,11 @@ fn amount(
         ui.spacing_mut().interact_size.y = 18.0;
         ui.spacing_mut().button_padding.y = 0.0;
         ui.spacing_mut().item_spacing.y = 2.0;
+        if measured.waits {
+            // Counts of the shape without the layer would look like its own.
+            theme::weak(ui, "Folds and crossings: after the match");
+            return None;
+        }
         let where_it_folds = measured.folds.and_then(|count| folds(ui, count));
         let where_it_crosses = crossings(ui, measured.crossings);
         let where_it_is_held = measured.kept.and_then(|held| held_back(ui, held));

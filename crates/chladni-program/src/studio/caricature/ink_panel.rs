@@ -8,7 +8,10 @@ use crate::studio::theme;
 use crate::work::Pen;
 
 /// Points that a slider takes with its name and number.
-const WIDEST: f32 = 215.0;
+const SLIDER: f32 = 215.0;
+
+/// Points that a color takes with its name.
+const COLOR: f32 = 80.0;
 
 /// Draws the controls of `pen`.
 pub fn show(ui: &mut Ui, pen: &mut Pen) {
@@ -37,8 +40,10 @@ pub fn show(ui: &mut Ui, pen: &mut Pen) {
                 ("Ink", "ink/color", "Color of the ink", &mut pen.ink.color),
                 ("Paper", "ink/paper", "Color of the paper", &mut pen.ink.paper),
             ] {
-                ui.label(name);
-                ui.color_edit_button_srgb(color).accessible_name(spoken).author_id(id);
+                beside_name(ui, COLOR, |ui| {
+                    ui.label(name);
+                    ui.color_edit_button_srgb(color).accessible_name(spoken).author_id(id);
+                });
             }
             theme::checkbox(ui, &mut pen.exaggeration, "Wider where exaggerated")
                 .author_id("ink/exaggeration")
@@ -60,16 +65,49 @@ const SMOOTHING: &str = "How far curvature is averaged before lines are drawn al
                          more for a noisy scan, less for fine detail";
 
 fn named(ui: &mut Ui, name: &str, tip: &str, control: impl FnOnce(&mut Ui) -> egui::Response) {
-    // A slider and its number do not wrap by themselves.
-    if ui.available_size_before_wrap().x < WIDEST {
-        ui.end_row();
-    }
-    // On the wrapping line itself the name would stand above the middle of the slider.
-    ui.horizontal(|ui| {
+    beside_name(ui, SLIDER, |ui| {
         let label = ui.label(name).on_hover_text(tip).id;
         ui.label_inputs_by(label, |ui| {
             // A tip of the control itself would be read out as its name.
             control(ui).author_id(format!("ink/{}", name.to_lowercase()))
         });
     });
+}
+
+/// A name and its control, which take this many points.
+fn beside_name(ui: &mut Ui, width: f32, content: impl FnOnce(&mut Ui)) {
+    // They do not wrap together by themselves.
+    if ui.available_size_before_wrap().x < width {
+        ui.end_row();
+    }
+    // On the wrapping line itself the name would stand above the middle of the control.
+    ui.horizontal(content);
+}
+
+#[cfg(test)]
+mod tests {
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::{NodeT, Queryable};
+
+    use super::*;
+
+    #[test]
+    fn names_of_colors_stand_beside_them_however_the_line_wraps() {
+        let mut pen = Pen::default();
+        let mut window = Harness::builder().build_ui(move |ui| show(ui, &mut pen));
+        theme::install(&window.ctx);
+        for width in (300_u16..1300).step_by(25) {
+            window.set_size(egui::vec2(f32::from(width), 300.0));
+            window.run_steps(3);
+            for (name, id) in [("Ink", "ink/color"), ("Paper", "ink/paper")] {
+                let swatch = window.get_by(move |node| node.author_id() == Some(id)).rect();
+                // The group of all has a name, too.
+                let mut named = window.get_all_by_label(name);
+                let label = named.find(|node| node.accesskit_node().role() == egui::Role::Label);
+                let label = label.unwrap().rect();
+                let apart = (label.center().y - swatch.center().y).abs();
+                assert!(apart < 1.0 && label.right() < swatch.left(), "{name} at {width}: {label}, {swatch}");
+            }
+        }
+    }
 }

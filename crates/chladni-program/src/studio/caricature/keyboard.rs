@@ -23,7 +23,9 @@ impl CaricatureRoom {
     pub(super) fn handle_keys(&mut self, shared: &mut Shared<'_>, edits: &mut Edits) {
         let ctx = shared.ctx.clone();
         self.file_keys(&ctx, shared);
-        let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
+        if self.session.is_none() || self.loading.is_some() {
+            return;
+        }
         // The gallery has keys of its own.
         if self.gallery.is_open() {
             return;
@@ -33,10 +35,11 @@ impl CaricatureRoom {
             return;
         }
         if REDO.pressed(&ctx) {
-            self.stale |= session.travel(false).is_some();
+            self.travel(false);
         } else if UNDO.pressed(&ctx) {
-            self.stale |= session.travel(true).is_some();
+            self.travel(true);
         }
+        let Some(session) = &mut self.session else { return };
         if let Some(id) = session.selected {
             if DUPLICATE.pressed(&ctx) {
                 self.layers.commit(edits);

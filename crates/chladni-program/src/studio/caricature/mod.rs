@@ -51,7 +51,7 @@ pub use self::evaluating::PATIENCE;
 pub use self::rehearsal::Rehearsal;
 
 use self::autosave::Autosave;
-use self::brush::BrushTool;
+use self::brush::{BrushTool, one_way};
 use self::controls::{Controls, Measured, Wish};
 use self::edits::{Edit, Edits};
 use self::evaluating::Sight;
@@ -142,6 +142,7 @@ impl Room for CaricatureRoom {
         }
         self.poll(shared);
         let mut edits = Edits::default();
+        let before = self.tools();
         self.handle_keys(shared, &mut edits);
         self.follow(shared);
         self.panels(ui, shared, &mut edits);
@@ -152,6 +153,7 @@ impl Room for CaricatureRoom {
         }
         self.center(ui, shared, &mut edits);
         self.show_export(ui, shared);
+        self.keep_one_tool(before);
         self.carry_out(edits.take(), shared);
         if let Some(session) = &mut self.session {
             // It is evaluated while this frame is brought to the screen.
@@ -240,6 +242,21 @@ impl CaricatureRoom {
     /// A room whose frames wait this long for what their edits make.
     pub fn waiting(patience: Duration) -> Self {
         Self { patience, ..Self::default() }
+    }
+
+    /// Whether the brush, the picking of landmarks and the gallery have the stage.
+    fn tools(&self) -> [bool; 3] {
+        [self.brush.active, self.picking.is_some(), self.gallery.is_open()]
+    }
+
+    /// The tool that was taken up since `before` ends the others: a click on the stage can mean only one thing.
+    fn keep_one_tool(&mut self, before: [bool; 3]) {
+        let [paints, picks, breeds] = one_way(before, self.tools());
+        self.brush.active = paints;
+        self.picking.take_if(|_| !picks);
+        if self.gallery.is_open() && !breeds {
+            self.gallery.close();
+        }
     }
 
     /// Does what panels and tools have asked for.
@@ -399,7 +416,9 @@ impl CaricatureRoom {
                 }
                 let shown = Arc::clone(&session.shown);
                 let spectrum = &shown.spectrum;
-                let measured = Measured { spectrum, mirror, folds, crossings, kept, channels: &channels };
+                let waits = session.is_waiting(id);
+                let measured =
+                    Measured { spectrum, mirror, folds, waits, crossings, kept, channels: &channels };
                 match self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits) {
                     Some(Wish::AsFarAsItGoes) => {
                         as_far_as_it_goes(session, self.controls.may_fold(), edits, shared);

@@ -6,6 +6,7 @@ use egui::Ui;
 
 use super::CaricatureRoom;
 use super::edits::Edit;
+use super::landmarks::Picking;
 use super::look::Show;
 use super::stage::Stage;
 use crate::studio::author_id::AuthorId;
@@ -13,6 +14,7 @@ use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{EXPORT, FIT, GALLERY, INK, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
 use crate::studio::room::Shared;
 use crate::studio::theme;
+use crate::work::landmarks::HALF_A_LANDMARK;
 use crate::work::{Quantity, USUAL_TONES};
 
 impl CaricatureRoom {
@@ -56,18 +58,32 @@ impl CaricatureRoom {
         }
         // The project being loaded will replace the open one.
         let loading = self.loading.is_some();
-        let Some(session) = &mut self.session else { return };
-        for (back, mark, shortcut, label) in [
-            (true, Icon::Undo2, UNDO, session.history.undo_label()),
-            (false, Icon::Redo2, REDO, session.history.redo_label()),
-        ] {
+        let Some(session) = &self.session else { return };
+        let is_half = self.picking.as_ref().is_some_and(Picking::has_pending);
+        let undo = if is_half { Some(HALF_A_LANDMARK) } else { session.history.undo_label() };
+        let mut travels = None;
+        for (back, mark, shortcut, label) in
+            [(true, Icon::Undo2, UNDO, undo), (false, Icon::Redo2, REDO, session.history.redo_label())]
+        {
             let button = ui.add_enabled(label.is_some() && !loading, egui::Button::new(icon::text(mark)));
             let button = button.author_id(if back { "undo" } else { "redo" });
             let tip = format!("{}: {}", shortcut.tooltip(&ctx), label.unwrap_or("nothing"));
             if button.on_hover_text(tip).clicked() {
-                self.stale |= session.travel(back).is_some();
+                travels = Some(back);
             }
         }
+        if let Some(back) = travels {
+            self.travel(back);
+        }
+    }
+
+    /// Undoes or redoes a step.
+    pub(super) fn travel(&mut self, back: bool) {
+        // Half a landmark is not in the history yet: it is taken back first.
+        if back && self.picking.as_mut().is_some_and(Picking::drop_pending) {
+            return;
+        }
+        self.stale |= self.session.as_mut().is_some_and(|session| session.travel(back).is_some());
     }
 
     fn show_buttons(&mut self, ui: &mut Ui) {

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::studio::folders::whole_path;
+
 /// The purpose of the question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -80,7 +82,8 @@ pub struct Browser {
 impl Browser {
     /// Begins where `request` says, or in the current folder.
     pub fn new(request: Request) -> Self {
-        let mut start = std::path::absolute(&request.start).unwrap_or_else(|_| PathBuf::from("/"));
+        let start = std::path::absolute(&request.start).unwrap_or_else(|_| PathBuf::from("/"));
+        let mut start = whole_path(&start);
         let names_folder = request.purpose == Purpose::Save
             && request.kinds.iter().all(|(_, extensions)| extensions.is_empty());
         // A new folder has a name that nothing has yet.
@@ -122,7 +125,7 @@ impl Browser {
 
     /// Shows another folder.
     pub fn enter(&mut self, folder: &Path) {
-        self.folder = folder.to_owned();
+        self.folder = whole_path(folder);
         self.retyped();
         if self.request.purpose != Purpose::Save {
             self.typed.clear();
@@ -199,15 +202,22 @@ impl Browser {
         self.typed == name || self.picked.iter().any(|picked| picked == name)
     }
 
+    /// How many characters of the typed name come before its extension.
+    pub fn stem_length(&self) -> usize {
+        let stem = Path::new(&self.typed).file_stem().filter(|_| self.fits(&self.typed));
+        let stem = stem.map_or_else(|| self.typed.as_str().into(), |stem| stem.to_string_lossy());
+        stem.chars().count()
+    }
+
     /// The path that `typed` means.
     fn path_of(&self, typed: &str) -> PathBuf {
         let home = directories::UserDirs::new().map(|user| user.home_dir().to_owned());
-        match (typed.strip_prefix('~'), home) {
+        whole_path(&match (typed.strip_prefix('~'), home) {
             (Some(rest), Some(home)) if rest.is_empty() || rest.starts_with('/') => {
                 home.join(rest.trim_start_matches('/'))
             }
             _ => self.folder.join(typed),
-        }
+        })
     }
 
     /// Completes the typed text as far as all files that begin with it agree.
@@ -329,6 +339,22 @@ mod tests {
         assert_eq!(go("igea.ply"), Verdict::Done(vec![folder.path().join("igea.ply")]));
         assert_eq!(go("Heads"), Verdict::Entered);
         assert_eq!(go("max.obj"), Verdict::Done(vec![folder.path().join("Heads/max.obj")]));
+    }
+
+    #[test]
+    fn a_way_back_up_is_no_part_of_a_path() {
+        let folder = folder();
+        let name = folder.path().file_name();
+        let mut browser = browser(Purpose::Save, &folder.path().join("Heads"));
+        browser.typed = "..".into();
+        assert_eq!(browser.go_ahead(), Verdict::Entered);
+        assert_eq!(browser.folder().file_name(), name);
+        browser.typed = "Heads/../new".into();
+        let Verdict::Done(files) = browser.go_ahead() else { panic!("it is no folder") };
+        assert_eq!(files[0].parent().unwrap().file_name(), name);
+        browser.enter(&folder.path().join("Heads/.."));
+        browser.leave();
+        assert_eq!(browser.folder().file_name(), folder.path().parent().unwrap().file_name());
     }
 
     #[test]

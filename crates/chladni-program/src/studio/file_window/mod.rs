@@ -13,6 +13,7 @@ use std::sync::Arc;
 
 use chladni_task::{Needs, other_program};
 use chladni_view::Draw;
+use egui::text::{CCursor, CCursorRange};
 use egui::{Key, RichText, Ui};
 use winit::window::Window;
 
@@ -94,6 +95,8 @@ pub struct FileWindow {
     /// The button says that it replaces a file.
     replaces: bool,
     begun: bool,
+    /// A name is proposed, which the first letter that is typed replaces.
+    proposes: bool,
     /// The last click in the list opened a folder: a second one, of a double click, was meant for that.
     entered: bool,
     answer: Rc<RefCell<Vec<PathBuf>>>,
@@ -123,6 +126,7 @@ impl FileWindow {
         }
         settings.recent.iter().filter_map(|path| path.parent()).for_each(|folder| add(Icon::History, folder));
         let browser = Browser::new(request);
+        let proposes = !browser.typed.is_empty();
         Self {
             browser,
             places,
@@ -132,6 +136,7 @@ impl FileWindow {
             said: None,
             replaces: false,
             begun: false,
+            proposes,
             entered: false,
             answer,
         }
@@ -177,6 +182,11 @@ impl FileWindow {
             shown.response.response.accessible_name("File name or path").author_id("path");
         if !std::mem::replace(&mut self.begun, true) {
             shown.response.request_focus();
+            if std::mem::take(&mut self.proposes) {
+                let end = CCursor::new(self.browser.stem_length());
+                shown.state.cursor.set_char_range(Some(CCursorRange::two(CCursor::default(), end)));
+                shown.state.clone().store(ui.ctx(), shown.response.id);
+            }
         }
         if shown.response.changed() {
             (self.said, self.replaces) = (None, false);
@@ -193,8 +203,8 @@ impl FileWindow {
             }
             (self.said, self.replaces) = (None, false);
             let mut state = shown.state;
-            let end = egui::text::CCursor::new(self.browser.typed.chars().count());
-            state.cursor.set_char_range(Some(egui::text::CCursorRange::one(end)));
+            let end = CCursor::new(self.browser.typed.chars().count());
+            state.cursor.set_char_range(Some(CCursorRange::one(end)));
             state.store(ui.ctx(), shown.response.id);
         }
         match &self.said {
@@ -249,8 +259,9 @@ impl FileWindow {
         let row = row.max(ui.spacing().interact_size.y);
         let (mut enter, mut pick, mut go) = (None, None, false);
         let lines = egui::ScrollArea::vertical().auto_shrink(false);
-        lines.show_rows(ui, row, listing.entries.len(), |ui, rows| {
-            ui.with_layout(egui::Layout::top_down_justified(egui::Align::LEFT), |ui| {
+        // The layout around the list: inside, ids would change with the first row in sight, and the focus be lost.
+        ui.with_layout(egui::Layout::top_down_justified(egui::Align::LEFT), |ui| {
+            lines.show_rows(ui, row, listing.entries.len(), |ui, rows| {
                 for Entry { name, is_folder } in listing.entries.get(rows).unwrap_or_default() {
                     let mark = if *is_folder { Icon::Folder } else { Icon::File };
                     let chosen = self.browser.is_chosen(name);

@@ -31,6 +31,8 @@ const WORDS: f32 = 150.0;
 pub struct Calibrating {
     /// Plays the clicks, on the device of the songs.
     player: Player,
+    /// How loud these are, as the songs: in [0, 1].
+    volume: f32,
     /// The songs played before and resume afterwards.
     resumes: bool,
     taps: Calibration,
@@ -63,6 +65,7 @@ impl Calibrating {
         player.play_list(vec![path]);
         Ok(Self {
             player,
+            volume,
             resumes,
             taps: Calibration::default(),
             signal: Signal::Click,
@@ -164,8 +167,8 @@ impl Calibrating {
         }
         line(ui, asked(self.signal).to_owned());
         line(ui, format!("{} of {CALIBRATION_TAPS}", self.taps.count(self.signal)));
-        if self.player.status().device.is_none() {
-            line(ui, "There is no sound device: no click is heard.".to_owned());
+        if let Some(why) = why_unheard(self.player.status().device.is_some(), self.volume) {
+            line(ui, format!("{why}: no click is heard."));
         }
         buttons(ui, false)
     }
@@ -175,6 +178,15 @@ fn asked(signal: Signal) -> &'static str {
     match signal {
         Signal::Click => "Tap the space bar, or anywhere here, with each click. There is nothing to see yet.",
         Signal::Flash => "Now tap with each flash. There is nothing to hear.",
+    }
+}
+
+/// Why clicks cannot be heard; `None` where they can.
+fn why_unheard(has_device: bool, volume: f32) -> Option<&'static str> {
+    match (has_device, volume > 0.0) {
+        (false, _) => Some("There is no sound device"),
+        (true, false) => Some("The volume is 0"),
+        (true, true) => None,
     }
 }
 
@@ -295,6 +307,13 @@ mod tests {
         let (capture, _feed) = chladni_sound::Capture::fed(48_000).unwrap();
         listening.listen_on(capture, "feed".into());
         assert!(!calibrating.song_goes_on(&listening));
+    }
+
+    #[test]
+    fn clicks_that_nobody_hears_are_explained() {
+        assert_eq!(why_unheard(true, 0.5), None);
+        assert_eq!(why_unheard(true, 0.0), Some("The volume is 0"));
+        assert_eq!(why_unheard(false, 0.0), Some("There is no sound device"));
     }
 
     #[test]

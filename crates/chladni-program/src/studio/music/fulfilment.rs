@@ -4,6 +4,7 @@ use chladni_music::{Action, Which};
 
 use super::MusicRoom;
 use super::drawer::Drawer;
+use super::hands::action_on;
 use super::listening::Listening;
 use super::shows::take;
 use super::wish::Wish;
@@ -16,6 +17,7 @@ impl MusicRoom {
             (Wish::Choose(then), _) => return self.ask_for(then, shared),
             (Wish::Do(action @ Action::NewGallery { .. }), _) => return self.begin_gallery(action, shared),
             (Wish::Record, _) => return self.record(shared),
+            (Wish::RecordAtOnce, _) => return self.record_at_once(shared),
             (Wish::Calibrate, _) => return self.calibrate(shared),
             (Wish::Press(target), _) => {
                 let mut wishes = Vec::new();
@@ -24,6 +26,15 @@ impl MusicRoom {
             }
             (_, None) => return,
             (Wish::Do(action), Some(concert)) => concert.act(action),
+            (Wish::Dance(target, item), Some(concert)) => match action_on(target, item, concert) {
+                Some(action) => concert.act(action),
+                None => return,
+            },
+            (Wish::Black, Some(concert)) => return concert.house.toggle_black(),
+            (Wish::Freeze, Some(concert)) => {
+                concert.house.frozen ^= true;
+                return;
+            }
             // The end of the autopilot returns knobs to where they were: it comes before they are set.
             (Wish::Experiment, Some(concert)) => {
                 concert.end_piloting().and_then(|()| concert.act_all(concert.experiment()))
@@ -34,7 +45,7 @@ impl MusicRoom {
             (Wish::Mark { right, down }, Some(concert)) => return concert.mark_neighbor(right, down),
             (Wish::Autopilot, Some(concert)) => {
                 self.drawers.shelf.ready(shared.folders.dances.as_deref(), shared.notices);
-                concert.pilot(self.drawers.shelf.kept())
+                concert.pilot(self.drawers.shelf.kept(), &shared.settings.music.look())
             }
             (Wish::Hold, Some(concert)) => return concert.hold(),
             (Wish::StepFavorite(forward) | Wish::StepInTurn(forward), Some(concert))

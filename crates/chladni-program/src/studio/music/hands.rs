@@ -1,6 +1,6 @@
 //! Requests of controllers to the room, and the room's values for them.
 
-use chladni_music::{Action, ItemId, Looks, REPEATS, SHOTS, Target, Which};
+use chladni_music::{Action, ItemId, Kind, Looks, REPEATS, SHOTS, Target, Which};
 use chladni_sound::{LONGEST_CROSSFADE_SECS, PlayerState, Repeat};
 use chladni_view::{Background, Lights, Look, Material, Palette};
 
@@ -132,10 +132,7 @@ fn pick(names: &[impl AsRef<str>], now: Option<usize>, which: &Which) -> Option<
     let at = match which {
         Which::Press => now.map_or(0, |now| (now + 1) % count.max(1)),
         Which::Number(number) => (*number as usize).checked_sub(1)?,
-        Which::Name(name) => {
-            let name = name.to_lowercase();
-            names.iter().position(|known| known.as_ref().to_lowercase() == name)?
-        }
+        Which::Name(name) => called(names, name).or_else(|| numbered(name))?,
         Which::Level(share) => ((share * count as f32) as usize).min(count.saturating_sub(1)),
     };
     (at < count).then_some(at)
@@ -143,7 +140,21 @@ fn pick(names: &[impl AsRef<str>], now: Option<usize>, which: &Which) -> Option<
 
 /// The same, of things that have several names each: `names` holds all of one kind, then all of the next.
 fn pick_by_any(names: &[Vec<String>], now: Option<usize>, which: &Which) -> Option<usize> {
-    names.iter().find_map(|names| pick(names, now, which))
+    let by_name = match which {
+        Which::Name(name) => names.iter().find_map(|names| called(names, name)),
+        _ => None,
+    };
+    by_name.or_else(|| pick(names.first()?, now, which))
+}
+
+fn called(names: &[impl AsRef<str>], name: &str) -> Option<usize> {
+    let name = name.to_lowercase();
+    names.iter().position(|known| known.as_ref().to_lowercase() == name)
+}
+
+/// The place that a text means which is no name but a number, from 1.
+fn numbered(text: &str) -> Option<usize> {
+    text.parse::<usize>().ok()?.checked_sub(1)
 }
 
 /// The names of the songs of the list. Those of their files come first: they stay the same once tags are read.
@@ -215,7 +226,8 @@ impl MusicRoom {
                 true
             }
             (Target::Record, Which::Press) => {
-                wishes.push(Wish::Record);
+                // On stage a question would stand before the audience.
+                wishes.push(Wish::RecordAtOnce);
                 true
             }
             (
@@ -313,12 +325,17 @@ pub(super) fn dance(target: Target, which: &Which, concert: &Concert) -> Option<
     let items = concert.instrument().gallery().items();
     let item = match which {
         Which::Number(number) => (*number as usize).checked_sub(1)?,
-        Which::Name(name) => items.iter().position(|item| item.name == *name)?,
+        Which::Name(name) => items.iter().position(|item| item.name == *name).or_else(|| numbered(name))?,
         _ => concert.marked()?,
     };
     items.get(item)?;
+    (target.kind() == Kind::Dance).then_some(Wish::Dance(target, item))
+}
+
+/// The action of that wish, as the dance stands once earlier wishes are fulfilled.
+pub(super) fn action_on(target: Target, item: usize, concert: &Concert) -> Option<Action> {
     let marks = concert.marks(item);
-    Some(Wish::Do(match target {
+    Some(match target {
         Target::Choose => Action::Choose { item, on: !marks.chosen },
         Target::Favorite => Action::Favorite { item, on: !marks.favorite },
         Target::Lock => Action::Lock { item, on: !marks.locked },
@@ -326,11 +343,11 @@ pub(super) fn dance(target: Target, which: &Which, concert: &Concert) -> Option<
         Target::Stage => Action::PerformGallery { first: item },
         Target::Cue => Action::CueUp { item },
         _ => return None,
-    }))
+    })
 }
 
 /// A button was pressed; false where the target is none.
-fn press(target: Target, concert: &mut Concert, listening: &mut Listening, wishes: &mut Vec<Wish>) -> bool {
+fn press(target: Target, concert: &Concert, listening: &mut Listening, wishes: &mut Vec<Wish>) -> bool {
     let gallery = concert.instrument().gallery();
     match target {
         Target::Back => {
@@ -342,8 +359,8 @@ fn press(target: Target, concert: &mut Concert, listening: &mut Listening, wishe
         Target::NextFavorite => wishes.push(Wish::StepFavorite(true)),
         Target::PreviousFavorite => wishes.push(Wish::StepFavorite(false)),
         Target::Go => wishes.push(Wish::Do(Action::Go)),
-        Target::Blackout => concert.house.toggle_black(),
-        Target::Freeze => concert.house.frozen = !concert.house.frozen,
+        Target::Blackout => wishes.push(Wish::Black),
+        Target::Freeze => wishes.push(Wish::Freeze),
         Target::Autopilot => wishes.push(Wish::Autopilot),
         Target::Stay => wishes.push(Wish::Hold),
         Target::Tap => listening.tap(),
@@ -353,8 +370,8 @@ fn press(target: Target, concert: &mut Concert, listening: &mut Listening, wishe
         Target::NudgeLater => listening.nudge(-NUDGE_SECS),
         Target::NudgeSooner => listening.nudge(NUDGE_SECS),
         Target::PlayPause => listening.toggle(),
-        Target::NextSong => listening.next_song(),
-        Target::PreviousSong => listening.previous_song(),
+        Target::NextSong => listening.next_song(true),
+        Target::PreviousSong => listening.previous_song(true),
         _ => return false,
     }
     true
@@ -373,6 +390,7 @@ mod tests {
         assert_eq!(picked(Some(2), Which::Number(2)), Some(1));
         assert_eq!((picked(None, Which::Number(0)), picked(None, Which::Number(4))), (None, None));
         assert_eq!(picked(None, Which::Name("two".into())), Some(1));
+        assert_eq!(["3", "0", "4"].map(|text| picked(None, Which::Name(text.into()))), [Some(2), None, None]);
         assert_eq!([0.0, 0.4, 1.0].map(|share| picked(None, Which::Level(share))), [0, 1, 2].map(Some));
         assert_eq!(pick(&[""; 0], None, &Which::Press), None);
     }
@@ -386,7 +404,17 @@ mod tests {
         let picked = |name: &str| pick_by_any(&names, Some(1), &Which::Name(name.into()));
         assert_eq!(["01 Dawn", "ada – dawn", "dawn", "02 dusk"].map(picked), [0, 0, 0, 1].map(Some));
         assert_eq!(picked("noon"), None);
+        assert_eq!((picked("1"), picked("3")), (Some(0), None));
         assert_eq!(pick_by_any(&names, Some(1), &Which::Press), Some(0));
+    }
+
+    #[test]
+    fn a_name_that_is_a_number_comes_before_that_number() {
+        let files = ["02", "1999", "01"].map(str::to_owned).to_vec();
+        let titles = ["Ebb", "Flow", "2"].map(str::to_owned).to_vec();
+        let names = [files.clone(), files, titles];
+        let picked = |name: &str| pick_by_any(&names, None, &Which::Name(name.into()));
+        assert_eq!(["01", "1999", "02", "2", "1"].map(picked), [2, 1, 0, 2, 0].map(Some));
     }
 
     #[test]

@@ -264,9 +264,8 @@ impl MusicRoom {
         let mut answer = None;
         let ((), dismissed) = theme::modal(&shared.ctx, "The last show did not end well", 460.0, |ui| {
             let weak = theme::palette(ui).weak;
-            ui.label(
-                RichText::new("What was bred is still there. Recover it, or throw it away.").color(weak),
-            );
+            let what = "What was bred or changed is still there. Recover it, or throw it away.";
+            ui.label(RichText::new(what).color(weak));
             if let Some(age) = changed_ago(changed(&newest)) {
                 ui.label(RichText::new(theme::capitalized(&age)).color(weak));
             }

@@ -45,8 +45,7 @@ const MARKED: [(Shortcut, Target); 6] = [
 ];
 
 /// What keys do as controllers do it, wherever the dance is.
-const PRESSES: [(Shortcut, Target); 5] = [
-    (RECORD, Target::Record),
+const PRESSES: [(Shortcut, Target); 4] = [
     (SHUFFLE, Target::Shuffle),
     (REPEAT, Target::Repeat),
     (LIVE, Target::Live),
@@ -83,6 +82,7 @@ impl MusicRoom {
             }
         };
         when(&mut wishes, AUTOPILOT, Wish::Autopilot);
+        when(&mut wishes, RECORD, Wish::Record);
         for (key, target) in PRESSES {
             when(&mut wishes, key, Wish::Press(target));
         }
@@ -152,7 +152,7 @@ impl MusicRoom {
             taken: &self.taken,
         };
         let standing = |target: Target, number: Option<u32>| stand.of(target, number);
-        let Asked { cues, clock } = self.drawers.remote.asked(music, parameters, &standing);
+        let Asked { cues, clock } = self.drawers.remote.asked(music, parameters, &standing, shared.notices);
         let now_secs = shared.ctx.input(|input| input.time);
         listening.want_clock(music.follows_clock);
         for (said, came) in clock {

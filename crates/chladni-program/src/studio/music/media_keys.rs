@@ -10,7 +10,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use chladni_sound::PlayerState;
 use zbus::block_on;
+use zbus::blocking::Connection;
 use zbus::blocking::connection::Builder;
+use zbus::fdo::RequestNameFlags;
 
 use self::bus::{Player, Root, micros};
 use super::MusicRoom;
@@ -32,6 +34,8 @@ pub enum Asked {
     Play,
     /// Pause, where it plays.
     Pause,
+    /// Pause, and play from the beginning of the song the next time.
+    Stop,
     /// The other of the two.
     PlayPause,
     /// The next song.
@@ -103,7 +107,8 @@ impl MediaKeys {
         // Connecting may take long. Without a bus or this thread there are no media keys, and nobody who asked for
         // them.
         let _ = std::thread::Builder::new().name("media keys".into()).spawn(move || {
-            let connection = bus()?.name(NAME)?.serve_at(PATH, Root)?.serve_at(PATH, player)?.build()?;
+            let connection = bus()?.serve_at(PATH, Root)?.serve_at(PATH, player)?.build()?;
+            take_name(&connection)?;
             let player = connection.object_server().interface::<_, Player>(PATH)?;
             for told in tells {
                 let emitter = player.signal_emitter();
@@ -161,27 +166,33 @@ impl MusicRoom {
         // Seeks add up: the player may not have done one by the next.
         let mut sought_secs = None;
         for asked in keys.asked() {
-            let status = listening.player().status();
+            let status = listening.status();
             let plays = listening.plays_songs();
             match asked {
                 Asked::Play if !plays => listening.toggle(),
                 Asked::Pause if plays => listening.toggle(),
-                Asked::Play | Asked::Pause => {}
+                Asked::Stop if listening.live().is_none() && status.state != PlayerState::Stopped => {
+                    sought_secs = Some(0.0);
+                    listening.player().pause();
+                    listening.player().seek(0.0);
+                }
+                Asked::Play | Asked::Pause | Asked::Stop => {}
                 Asked::PlayPause => listening.toggle(),
+                // MPRIS: where playback is paused or stopped, it remains that way.
                 Asked::Next => {
                     sought_secs = Some(0.0);
-                    listening.next_song();
+                    listening.next_song(false);
                 }
                 Asked::Previous => {
                     sought_secs = Some(0.0);
-                    listening.previous_song();
+                    listening.previous_song(false);
                 }
                 Asked::SeekBy(secs) => {
                     let to_secs = sought_secs.unwrap_or_else(|| listening.heard_secs()) + secs;
                     // Beyond the end it acts like Next.
                     if status.duration_secs.is_some_and(|end| to_secs >= end) {
                         sought_secs = Some(0.0);
-                        listening.next_song();
+                        listening.next_song(false);
                     } else {
                         sought_secs = Some(to_secs.max(0.0));
                         listening.player().seek(to_secs.max(0.0));
@@ -197,7 +208,7 @@ impl MusicRoom {
                 }
             }
         }
-        let status = listening.player().status();
+        let status = listening.status();
         let is_live = listening.live().is_some();
         let playing = Playing {
             state: if is_live { PlayerState::Stopped } else { status.state },
@@ -210,6 +221,21 @@ impl MusicRoom {
         };
         keys.tell(playing, listening.heard_secs());
     }
+}
+
+/// Takes the player's name on the bus. Where another window has it, that one stays the player, and this one adds the number
+/// of its process to the name, as MPRIS asks.
+fn take_name(connection: &Connection) -> zbus::Result<()> {
+    let take = |name: &str| connection.request_name_with_flags(name, RequestNameFlags::DoNotQueue.into());
+    match take(NAME) {
+        Err(zbus::Error::NameTaken) => take(&second_name())?,
+        taken => taken?,
+    };
+    Ok(())
+}
+
+fn second_name() -> String {
+    format!("{NAME}.instance{}", std::process::id())
 }
 
 fn number_of(file: &Path) -> u64 {
@@ -228,7 +254,7 @@ mod tests {
 
     use std::collections::HashMap;
     use std::io::{BufRead, BufReader};
-    use std::process::{Command, Stdio};
+    use std::process::{Child, Command, Stdio};
     use std::time::{Duration, Instant};
 
     use zbus::blocking::{Proxy, proxy};
@@ -245,17 +271,46 @@ mod tests {
         }
     }
 
-    #[test]
-    fn others_see_what_plays_and_ask_for_another_song() {
+    /// A bus of our own and its address; `None` where there is no daemon for it.
+    fn bus() -> Option<(Child, String)> {
         let daemon = Command::new("dbus-daemon")
             .args(["--session", "--nofork", "--print-address=1"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn();
-        let Ok(mut daemon) = daemon else { return println!("skipped: no dbus-daemon") };
+        let Ok(mut daemon) = daemon else {
+            println!("skipped: no dbus-daemon");
+            return None;
+        };
         let mut address = String::new();
         BufReader::new(daemon.stdout.take().unwrap()).read_line(&mut address).unwrap();
-        let address = address.trim().to_owned();
+        Some((daemon, address.trim().to_owned()))
+    }
+
+    #[test]
+    fn a_second_window_leaves_the_keys_to_the_first() {
+        let Some((mut daemon, address)) = bus() else { return };
+        let client = Builder::address(address.as_str()).unwrap().build().unwrap();
+        let bus = zbus::blocking::fdo::DBusProxy::new(&client).unwrap();
+        let is_there = |name: &str| bus.name_has_owner(name.try_into().unwrap()).unwrap();
+        let owner = || bus.get_name_owner(NAME.try_into().unwrap()).unwrap();
+        let window = |address: String| MediaKeys::on(move || Builder::address(address.as_str()), || {});
+        let _first = window(address.clone());
+        until("the first is there", || is_there(NAME));
+        let first = owner();
+        let second = window(address.clone());
+        until("the second is there", || is_there(&second_name()));
+        assert_eq!(owner(), first);
+        drop(second);
+        until("the second is gone", || !is_there(&second_name()));
+        assert_eq!(owner(), first);
+        let _ = daemon.kill();
+        let _ = daemon.wait();
+    }
+
+    #[test]
+    fn others_see_what_plays_and_ask_for_another_song() {
+        let Some((mut daemon, address)) = bus() else { return };
         let bus = address.clone();
         let mut keys = MediaKeys::on(move || Builder::address(bus.as_str()), || {});
         let mut playing = Playing {
@@ -292,14 +347,21 @@ mod tests {
         other.call_method("SetPosition", &place("/org/chladni/song/1", 5_000_000)).unwrap();
         other.call_method("SetPosition", &place("/org/chladni/song/2", 95_000_000)).unwrap();
         other.call_method("SetPosition", &place("/org/chladni/song/2", 5_000_000)).unwrap();
+        other.call_method("Stop", &()).unwrap();
         other.call_method("PlayPause", &()).unwrap();
         other.call_method("Next", &()).unwrap();
         other.call_method("Seek", &(-2_500_000i64)).unwrap();
         other.set_property("Volume", f64::NAN).unwrap();
         other.set_property("Volume", 7.0).unwrap();
         let asked: Vec<Asked> = keys.asked().collect();
-        let expected =
-            [Asked::SeekTo(5.0), Asked::PlayPause, Asked::Next, Asked::SeekBy(-2.5), Asked::Volume(1.0)];
+        let expected = [
+            Asked::SeekTo(5.0),
+            Asked::Stop,
+            Asked::PlayPause,
+            Asked::Next,
+            Asked::SeekBy(-2.5),
+            Asked::Volume(1.0),
+        ];
         assert_eq!(asked, expected);
         playing.state = PlayerState::Paused;
         keys.tell(playing, 60.0);

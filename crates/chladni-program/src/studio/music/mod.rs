@@ -95,6 +95,8 @@ pub struct MusicRoom {
     trace: Option<Trace>,
     /// Where the set is to go once there is a picture.
     output: Option<SetOutput>,
+    /// The folder of the last recording.
+    recordings: Option<PathBuf>,
     drawers: Drawers,
     curtain: Curtain,
     leaning: Leaning,

@@ -213,6 +213,8 @@ fn shade(rgba: &mut [u8], veil: Veil, dark: f32) {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Instant;
+
     use super::super::listening::HeardSound;
     use super::*;
 
@@ -229,7 +231,7 @@ mod tests {
         // It begins between two frames as they are counted from when it was asked for.
         let begins_secs = 15.0 + 0.5 / 30.0;
         let recorder = outgoing.recorder.as_mut().unwrap();
-        recorder.sound(begins_secs, &HeardSound::default()).unwrap();
+        recorder.sound(begins_secs, Instant::now(), &HeardSound::default()).unwrap();
         let due = [0, 1, 2, 3, 4].map(|i| outgoing.is_due(begins_secs + f64::from(i) / 60.0));
         assert_eq!(due, [true, false, true, false, true]);
     }

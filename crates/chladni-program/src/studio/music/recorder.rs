@@ -1,8 +1,9 @@
 //! The set as it is played, as a film: the stage and its sound.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
-use chladni_sound::StereoResampler;
+use chladni_sound::{Seam, SoundError, StereoResampler};
 use chladni_view::film::LiveFilm;
 use chladni_view::{FrameRate, Picture};
 
@@ -29,7 +30,6 @@ pub struct RecordedSet {
 /// One recording.
 pub struct Recorder {
     film: LiveFilm,
-    path: PathBuf,
     /// When it was asked for.
     asked_secs: f64,
     /// When it began: in the first frame after that, as choosing its file may have taken any time.
@@ -40,7 +40,8 @@ pub struct Recorder {
     spans_shows: bool,
     /// Its length, once it ends.
     duration_secs: f64,
-    resampler: Option<StereoResampler>,
+    part: Option<SoundPart>,
+    sound_clock: Option<SoundClock>,
     /// When something came last.
     last_secs: f64,
     ends: bool,
@@ -54,16 +55,15 @@ impl Recorder {
         // H.264 wants even sides.
         let [width, height] = size.map(|length| (length & !1).max(2));
         let film = LiveFilm::begin(path, (width, height), RATE, SOUND_HZ)?;
-        let path = path.to_owned();
         Ok(Self {
             film,
-            path,
             asked_secs: now_secs,
             since_secs: None,
             begins: Vec::new(),
             spans_shows: false,
             duration_secs: 0.0,
-            resampler: None,
+            part: None,
+            sound_clock: None,
             last_secs: now_secs,
             ends: false,
             note: None,
@@ -77,9 +77,9 @@ impl Recorder {
         Ok(())
     }
 
-    /// Its file.
+    /// Its file; see [`LiveFilm::path`].
     pub fn path(&self) -> &Path {
-        &self.path
+        self.film.path()
     }
 
     /// How long it is, and how many pictures were left out.
@@ -120,37 +120,40 @@ impl Recorder {
         }
     }
 
-    /// Takes the sound up to now.
-    pub fn sound(&mut self, now_secs: f64, heard: &HeardSound) -> Result<(), Error> {
-        if !self.start(now_secs) {
+    /// Takes the sound up to the moment at which it was `taken`, in the frame that began at `now_secs`.
+    pub fn sound(&mut self, now_secs: f64, taken: Instant, heard: &HeardSound) -> Result<(), Error> {
+        let had_begun = self.start(now_secs);
+        if self.since_secs.is_none() {
+            return Ok(());
+        }
+        let frame_secs = self.at_secs(now_secs);
+        let clock = self.sound_clock.get_or_insert(SoundClock { first: taken, begun_secs: frame_secs });
+        let at_secs = clock.at_secs(taken, frame_secs);
+        if !had_begun {
             // From before it began.
             return Ok(());
         }
-        let (at_secs, mut out) = (self.at_secs(now_secs), Vec::new());
+        let mut out = Vec::new();
         // Sound ends before that of another rate, and where the film goes on in silence: what the resampler holds back comes
         // before the pause.
-        let ends = |known: &mut StereoResampler| {
+        let ends = |part: &mut SoundPart| {
             if heard.left.is_empty() {
                 self.film.lacks_sound(at_secs)
             } else {
-                known.from_hz() != heard.rate_hz
+                part.resampler.from_hz() != heard.rate_hz
             }
         };
-        if let Some(mut last) = self.resampler.take_if(ends) {
+        if let Some(last) = self.part.take_if(ends) {
             last.finish(&mut out)?;
             if heard.left.is_empty() {
                 self.pass_on_rest(&std::mem::take(&mut out));
             }
         }
-        if !heard.left.is_empty() {
-            let mut resampler = match self.resampler.take() {
-                Some(known) => known,
-                None => StereoResampler::new(heard.rate_hz, SOUND_HZ)?,
-            };
-            let pairs = heard.left.iter().zip(&heard.right);
-            let interleaved: Vec<f32> = pairs.flat_map(|(left, right)| [*left, *right]).collect();
-            resampler.process(&interleaved, &mut out)?;
-            self.resampler = Some(resampler);
+        if self.part.is_none() && !heard.left.is_empty() {
+            self.part = Some(SoundPart::begin(heard.rate_hz)?);
+        }
+        if let Some(part) = &mut self.part {
+            part.process(heard, &mut out)?;
         }
         self.pass_on(at_secs, &out);
         Ok(())
@@ -190,7 +193,7 @@ impl Recorder {
     pub fn set(&self) -> Option<RecordedSet> {
         let is_one = self.ends && !self.spans_shows && !self.begins.is_empty();
         is_one.then(|| RecordedSet {
-            path: self.path.clone(),
+            path: self.path().to_owned(),
             begins: self.begins.clone(),
             duration_secs: self.duration_secs,
         })
@@ -201,7 +204,7 @@ impl Recorder {
         if !std::mem::replace(&mut self.ends, true) {
             self.duration_secs = self.at_secs(now_secs);
             let mut rest = Vec::new();
-            if self.resampler.take().is_some_and(|mut last| last.finish(&mut rest).is_ok()) {
+            if self.part.take().is_some_and(|last| last.finish(&mut rest).is_ok()) {
                 self.pass_on_rest(&rest);
             }
             self.film.finish(self.duration_secs);
@@ -238,9 +241,109 @@ impl Drop for Recorder {
     }
 }
 
+/// Brings the moments at which sound is taken to the film's time. A picture is dated when its frame begins, and sound is
+/// taken later, in a slow frame much later: the frame that was quickest shows how the two lie to each other.
+struct SoundClock {
+    first: Instant,
+    /// When in the film that was, as the frames so far show.
+    begun_secs: f64,
+}
+
+impl SoundClock {
+    /// When in the film sound was `taken`, in the frame that began at `frame_secs` of it.
+    fn at_secs(&mut self, taken: Instant, frame_secs: f64) -> f64 {
+        let since_secs = taken.saturating_duration_since(self.first).as_secs_f64();
+        self.begun_secs = self.begun_secs.max(frame_secs - since_secs);
+        self.begun_secs + since_secs
+    }
+}
+
+/// Sound of one rate on its way into the film: it fades in, over what does not follow, and out, as a player lets it.
+struct SoundPart {
+    resampler: StereoResampler,
+    seam: Seam,
+}
+
+impl SoundPart {
+    fn begin(rate_hz: u32) -> Result<Self, SoundError> {
+        let (resampler, mut seam) = (StereoResampler::new(rate_hz, SOUND_HZ)?, Seam::new(rate_hz));
+        seam.begin();
+        Ok(Self { resampler, seam })
+    }
+
+    /// Appends what is ready as interleaved sound of the film's rate.
+    fn process(&mut self, heard: &HeardSound, out: &mut Vec<f32>) -> Result<(), SoundError> {
+        let mut interleaved = Vec::with_capacity(2 * heard.left.len());
+        for (n, (left, right)) in heard.left.iter().zip(&heard.right).enumerate() {
+            if heard.breaks.contains(&n) {
+                self.seam.begin();
+            }
+            interleaved.extend(self.seam.over([*left, *right]));
+        }
+        if heard.breaks.contains(&heard.left.len()) {
+            self.seam.begin();
+        }
+        self.resampler.process(&interleaved, out)
+    }
+
+    /// Appends the rest, faded out.
+    fn finish(mut self, out: &mut Vec<f32>) -> Result<(), SoundError> {
+        self.seam.begin();
+        let frames = self.seam.frames();
+        let fade: Vec<f32> = (0..frames).flat_map(|_| self.seam.over([0.0; 2])).collect();
+        self.resampler.process(&fade, out)?;
+        self.resampler.finish(out)
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
+
+    /// The moment `secs` after another one.
+    fn after(begun: Instant, secs: f64) -> Instant {
+        begun + Duration::from_secs_f64(secs)
+    }
+
+    #[test]
+    fn sound_is_dated_when_it_is_taken_however_slow_the_frame_is() {
+        let begun = Instant::now();
+        let mut clock = SoundClock { first: after(begun, 0.25), begun_secs: 0.0 };
+        // Beginnings of frames, and how long after them the sound is taken: the first frame is a slow one, too.
+        let frames = [(0.0, 0.25), (0.3, 0.02), (0.35, 0.4), (0.8, 0.03), (0.85, 0.02)];
+        let late = frames.map(|(frame_secs, late_secs)| {
+            let taken_secs = frame_secs + late_secs;
+            taken_secs - clock.at_secs(after(begun, taken_secs), frame_secs)
+        });
+        // From the quickest frame on all lie alike.
+        assert!((late[0] - 0.25).abs() < 1e-6, "{late:?}");
+        assert!(late[1..].iter().all(|secs| (secs - 0.02).abs() < 1e-6), "{late:?}");
+    }
+
+    #[test]
+    fn sound_fades_over_a_jump_and_at_both_ends() {
+        let mut part = SoundPart::begin(SOUND_HZ).unwrap();
+        let piece = |level: f32, breaks: Vec<usize>| {
+            let mut heard = HeardSound::default();
+            let sides = [level, -level].map(|level| vec![level; 1_000]);
+            (heard.rate_hz, [heard.left, heard.right], heard.breaks) = (SOUND_HZ, sides, breaks);
+            heard
+        };
+        let mut out = Vec::new();
+        // The second jump lies behind the third piece.
+        for (level, breaks) in [(0.5, vec![0]), (-0.5, vec![0]), (-0.5, vec![1_000]), (0.5, vec![])] {
+            part.process(&piece(level, breaks), &mut out).unwrap();
+        }
+        part.finish(&mut out).unwrap();
+        let left: Vec<f32> = out.iter().copied().step_by(2).collect();
+        assert_eq!(left.len(), 4_384);
+        assert_eq!([0, 999, 1_999, 3_999].map(|n: usize| left[n]), [0.0, 0.5, -0.5, 0.5]);
+        assert!(left[4_383].abs() < 0.01);
+        let largest = left.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max);
+        assert!(largest < 1.01 / 384.0, "{largest}");
+    }
 
     #[test]
     fn choosing_a_file_is_not_in_the_film() {
@@ -252,11 +355,12 @@ mod tests {
         let gray = || Picture { width: 64, height: 48, rgba: vec![128; 4 * 64 * 48] };
         let mut tone = HeardSound::default();
         (tone.rate_hz, tone.left, tone.right) = (SOUND_HZ, vec![0.5; 1600], vec![0.5; 1600]);
-        recorder.sound(10.0, &tone).unwrap();
+        let begun = Instant::now();
+        recorder.sound(10.0, after(begun, 10.0), &tone).unwrap();
         // Somebody took five seconds.
         for frame in 0..30 {
             let now_secs = 15.0 + f64::from(frame) / 30.0;
-            recorder.sound(now_secs, &tone).unwrap();
+            recorder.sound(now_secs, after(begun, now_secs), &tone).unwrap();
             recorder.picture(now_secs, gray());
         }
         assert!((recorder.progress(16.0).0 - 1.0).abs() < 1e-9);
@@ -275,7 +379,7 @@ mod tests {
             if let Some(ended) = recorder.ended() {
                 break ended.unwrap();
             }
-            std::thread::sleep(std::time::Duration::from_millis(5));
+            std::thread::sleep(Duration::from_millis(5));
         };
         assert_eq!(frames, 30);
     }
@@ -286,6 +390,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("set.mp4");
         let mut recorder = Recorder::begin(&path, [64, 48], 10.0).unwrap();
+        let begun = Instant::now();
         for frame in 0..=45_usize {
             let mut heard = HeardSound::default();
             if let Some((rate_hz, level)) = parts[frame.saturating_sub(1) / 15] {
@@ -295,7 +400,7 @@ mod tests {
             }
             // A little late after the first part: a pause is noticed at any time.
             let now_secs = 15.0 + frame as f64 / 30.0 + if frame > 15 { 0.01 } else { 0.0 };
-            recorder.sound(now_secs, &heard).unwrap();
+            recorder.sound(now_secs, after(begun, now_secs), &heard).unwrap();
             recorder.picture(now_secs, Picture { width: 64, height: 48, rgba: vec![128; 4 * 64 * 48] });
         }
         recorder.finish(16.5);

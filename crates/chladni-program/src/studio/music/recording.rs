@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_task::counted;
+use chladni_task::{counted, folder_of};
 use chladni_view::{ViewError, ffmpeg_is_there};
 
 use super::MusicRoom;
@@ -19,19 +19,40 @@ const STILL_WRITTEN: &str = "The last recording is still being written: try agai
 impl MusicRoom {
     /// Asks where to record the set; or ends a recording.
     pub(super) fn record(&mut self, shared: &mut Shared<'_>) {
-        if self.end_recording(shared) {
+        if self.may_record(shared) {
+            self.ask_for(Then::Record, shared);
+        }
+    }
+
+    /// Records the set beside the last recording, or in the user's folder, under a name that is free; or ends a recording.
+    pub(super) fn record_at_once(&mut self, shared: &mut Shared<'_>) {
+        if !self.may_record(shared) {
             return;
         }
-        let (Some(concert), Some(_)) = (&self.concert, &self.listening) else { return };
+        let folder = self.recordings.as_deref().or(shared.folders.recordings.as_deref());
+        let Some(path) = folder.map(free_path) else { return self.ask_for(Then::Record, shared) };
+        match self.record_to(&path, None, shared) {
+            Ok(()) => shared.notices.done(format!("Recording {}", path.display())),
+            Err(why) => shared.notices.failed(why),
+        }
+    }
+
+    /// Whether a recording can begin; one that goes on is ended instead.
+    fn may_record(&mut self, shared: &mut Shared<'_>) -> bool {
+        if self.end_recording(shared) {
+            return false;
+        }
+        let (Some(concert), Some(_)) = (&self.concert, &self.listening) else { return false };
         // A recorder that is still there has ended; its file is being written.
         if concert.outgoing.recorder.is_some() {
-            return shared.notices.warn(STILL_WRITTEN);
+            shared.notices.warn(STILL_WRITTEN);
+            return false;
         }
-        if !ffmpeg_is_there() {
+        let is_there = ffmpeg_is_there();
+        if !is_there {
             shared.notices.failed(ViewError::NoFfmpeg);
-            return;
         }
-        self.ask_for(Then::Record, shared);
+        is_there
     }
 
     /// Ends the recording; its file appears a little later. False where there is none.
@@ -96,6 +117,7 @@ impl MusicRoom {
         }
         concert.outgoing.record(recorder, now_secs);
         listening.keep_sound(true);
+        self.recordings = Some(folder_of(path).to_owned());
         Ok(())
     }
 
@@ -104,10 +126,12 @@ impl MusicRoom {
         let now_secs = shared.ctx.input(|input| input.time);
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
         let Some(recorder) = &mut concert.outgoing.recorder else { return };
-        if let Some(heard) = listening.take_sound()
-            && let Err(why) = recorder.sound(now_secs, &heard)
-        {
-            shared.notices.failed(why);
+        if let Some((age, heard)) = listening.take_sound() {
+            let now = (shared.now)();
+            let taken = now.checked_sub(age).unwrap_or(now);
+            if let Err(why) = recorder.sound(now_secs, taken, &heard) {
+                shared.notices.failed(why);
+            }
         }
         recorder.follow_show(now_secs, listening.at_secs(), listening.heard_since_secs());
         let Some(ended) = recorder.ended() else { return };
@@ -158,5 +182,34 @@ impl MusicRoom {
         // Its last pictures may be lost; the time is that of the last one.
         recorder.finish(self.last_secs);
         recorder.wait();
+    }
+}
+
+/// A recording in `folder` that is not there yet.
+fn free_path(folder: &Path) -> PathBuf {
+    let mut number = 1;
+    loop {
+        let path = folder.join(format!("set {number}.mp4"));
+        if !path.exists() {
+            return path;
+        }
+        number += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recording_that_nobody_names_replaces_none() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["set 1.mp4", "set 3.mp4"] {
+            std::fs::write(folder.path().join(name), "an evening").unwrap();
+        }
+        let free = free_path(folder.path());
+        assert_eq!(free, folder.path().join("set 2.mp4"));
+        std::fs::write(&free, "another").unwrap();
+        assert_eq!(free_path(folder.path()), folder.path().join("set 4.mp4"));
     }
 }

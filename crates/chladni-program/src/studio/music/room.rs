@@ -258,11 +258,11 @@ impl MusicRoom {
         }
     }
 
-    /// The warning about dances that are in no file, if there are any.
+    /// The warning about work that is in no file, if there is any.
     pub(super) fn unsaved_show(&self) -> Option<String> {
         let concert = self.concert.as_ref().filter(|concert| concert.has_unsaved_work())?;
         let favorites = match concert.instrument().favorites().len() {
-            0 => "dances that were bred or changed by hand".to_owned(),
+            0 => "what was bred or changed by hand".to_owned(),
             1 => "one favorite".to_owned(),
             count => format!("{count} favorites"),
         };

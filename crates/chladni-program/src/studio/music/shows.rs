@@ -4,7 +4,8 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use chladni_music::{
-    Action, BeatReading, FileRef, GalleryItem, ItemId, Moment, Preset, Recording, Show, SongRef, heard_again,
+    Action, BeatReading, FileRef, GalleryItem, Instrument, ItemId, Moment, Preset, Recording, Show, SongRef,
+    heard_again,
 };
 
 use super::concert::Concert;
@@ -349,15 +350,15 @@ pub fn songs_of_list(path: &Path, shared: &mut Shared<'_>) -> Vec<PathBuf> {
     }
 }
 
-/// Puts a preset in the last place whose item is neither chosen nor a favorite. The previous generation is
-/// kept; the knobs are set to those of the preset. Returns the dance that it became.
+/// Puts a preset in the last place whose item is neither chosen, locked nor a favorite, or else the last that is not locked.
+/// The previous generation is kept; the knobs are set to those of the preset. Returns the dance that it became.
 pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> Result<ItemId, Error> {
+    // Where there is no place, the autopilot goes on.
+    place_in(concert.instrument())?;
     // The autopilot ends with the gallery and the knobs that there were before it: not with those of the preset.
     concert.end_piloting()?;
     let instrument = concert.instrument();
-    let items = instrument.gallery().items();
-    let free = |item: &GalleryItem| !item.chosen && !item.locked && !instrument.is_favorite(item.id);
-    let item = items.iter().rposition(free).unwrap_or(items.len().saturating_sub(1));
+    let item = place_in(instrument)?;
     let (caution, before) = (preset.caution(), instrument.parameters().clone());
     let on_stage = concert.on_stage();
     concert.look_at(View::Gallery);
@@ -375,7 +376,37 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
     Ok(became)
 }
 
+/// The place in the gallery that a preset takes.
+fn place_in(instrument: &Instrument) -> Result<usize, Error> {
+    let items = instrument.gallery().items();
+    let free = |item: &GalleryItem| !item.chosen && !item.locked && !instrument.is_favorite(item.id);
+    let place = items.iter().rposition(free).or_else(|| items.iter().rposition(|item| !item.locked));
+    place.ok_or_else(|| Error::input("All dances are locked: unlock one first"))
+}
+
 /// The songs of a show as the command line calls them.
 pub fn songs_of(show: &Show) -> Vec<(String, BeatReading)> {
     show.songs.iter().map(|song| (song.path.clone(), song.reading)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_music::GalleryShape;
+
+    use super::*;
+
+    #[test]
+    fn a_preset_takes_no_place_of_a_dance_that_is_locked() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        let mut act = |action| {
+            instrument.apply(Moment::default(), action).unwrap();
+            place_in(&instrument).ok()
+        };
+        assert_eq!(act(Action::Lock { item: 5, on: true }), Some(4));
+        let places: Vec<_> = (0..5).map(|item| act(Action::Choose { item, on: true })).collect();
+        assert_eq!(places.last(), Some(&Some(4)), "all others are chosen");
+        let places: Vec<_> = (0..5).rev().map(|item| act(Action::Lock { item, on: true })).collect();
+        assert_eq!(places, [Some(3), Some(2), Some(1), Some(0), None]);
+    }
 }

@@ -11,6 +11,7 @@ use super::meters;
 use super::preferences::{MOST_LATE_MS, Preferences};
 use super::wish::{Then, Wish};
 use crate::studio::author_id::AuthorId;
+use crate::studio::choose::takes_drops;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job::Job;
 use crate::studio::notices::Notices;
@@ -180,8 +181,9 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
             }
         }
     });
-    let tip = "Songs, folders and M3U lists can be dropped anywhere on the window.";
-    theme::weak(ui, tip);
+    if takes_drops() {
+        theme::weak(ui, "Songs, folders and M3U lists can be dropped anywhere on the window.");
+    }
 }
 
 /// A song of the list; whether it is to be played, and whether it is to be taken out.

@@ -132,9 +132,9 @@ fn song(ui: &mut Ui, listening: &mut Listening, right: f32) {
     let back =
         ui.button(icon::text(Icon::SkipBack)).accessible_name("Previous song").author_id("previous-song");
     if back.on_hover_text(PREVIOUS_SONG.tooltip(ui.ctx())).clicked() {
-        listening.previous_song();
+        listening.previous_song(true);
     }
-    let status = listening.player().status();
+    let status = listening.status();
     let playing = listening.plays_songs();
     let mark = if playing { Icon::Pause } else { Icon::Play };
     let button = ui.button(icon::text(mark)).accessible_name(if playing { "Pause" } else { "Play" });
@@ -144,7 +144,7 @@ fn song(ui: &mut Ui, listening: &mut Listening, right: f32) {
     }
     let next = ui.button(icon::text(Icon::SkipForward)).accessible_name("Next song").author_id("next-song");
     if next.on_hover_text(NEXT_SONG.tooltip(ui.ctx())).clicked() {
-        listening.next_song();
+        listening.next_song(true);
     }
     if listening.live().is_some() {
         ui.label(icon::label(Icon::Mic, "Live"));

@@ -15,12 +15,16 @@ pub const A_LITTLE: f32 = 0.2;
 pub enum Wish {
     /// An action of the instrument.
     Do(Action),
+    /// What a control does to a dance of the gallery.
+    Dance(Target, usize),
     /// Set all up for sand on the shape, as in Chladni's experiment.
     Experiment,
     /// Choose files.
     Choose(Then),
-    /// Record the set as it is played, or end that.
+    /// Ask where to record the set as it is played; or end that.
     Record,
+    /// The same, without a question.
+    RecordAtOnce,
     /// Let a person tap, to find how much later the picture is seen than the sound is heard; or no longer.
     Calibrate,
     /// Ask for a film of the dance.
@@ -40,6 +44,10 @@ pub enum Wish {
     /// Mark the item a number of columns to the right and rows below.
     #[allow(missing_docs, reason = "the words above say it")]
     Mark { right: isize, down: isize },
+    /// The stage goes black, or comes back.
+    Black,
+    /// The picture of the stage stands still, or goes on.
+    Freeze,
     /// Lean back, or no longer.
     Autopilot,
     /// The autopilot keeps the current dance and look, or goes on.

@@ -1,12 +1,12 @@
 //! How a dance begins, and the actions that follow.
 
 use chladni_music::{
-    Action, BreedingError, Dancer, Form, GALLERY_SIZES, GalleryShape, Instrument, LoggedAction, Mapping,
-    Moment, MusicError, Parameter, Preset, SAND_MODE, Show, experiment,
+    Action, BreedingError, Dancer, GALLERY_SIZES, GalleryShape, Instrument, LoggedAction, Mapping, Moment,
+    MusicError, PAPER_MODE, Parameter, Parameters, Preset, SAND_MODE, Show, Switch, experiment,
 };
 
-use crate::work::held::leave_out;
-use crate::work::knobs::ignored_by;
+use crate::work::held::{holds_form, leave_out};
+use crate::work::knobs::{ignored_by, needed_by};
 use crate::work::{Error, Warning};
 
 /// A show that is repeated, or else a preset, a gallery or one dance of it.
@@ -90,21 +90,48 @@ impl Beginning {
     }
 }
 
-/// Warnings of the knobs that `changes` turn in vain, as the `form` in which it begins ignores them; none where the
-/// `script` may choose another form. `voices` may listen to the side in any form.
-pub(super) fn in_vain(changes: &[Action], form: Form, script: &[LoggedAction], voices: bool) -> Vec<Warning> {
+/// Warnings of the knobs that changes turn in vain, which are `held` throughout: those that the form ignores, and those
+/// whose switch stands the other way; none where the `script`, or the autopilot if it `pilots`, may choose another form or
+/// turn the switch. `begun` is where all stand in the beginning. `voices` may listen to the side in any form.
+pub(super) fn in_vain(
+    held: &[Action],
+    begun: &Parameters,
+    script: &[LoggedAction],
+    pilots: bool,
+    voices: bool,
+) -> Vec<Warning> {
+    // Paper mode turns knobs that another form, asked for beside it, may ignore.
+    let asked = held.strip_prefix(&PAPER_MODE).unwrap_or(held);
     let chooses_form = |line: &LoggedAction| match &line.action {
         Action::SetForm { .. } => true,
         Action::Take { preset, .. } => preset.settings.form.is_some(),
         _ => false,
     };
-    if script.iter().any(chooses_form) {
-        return Vec::new();
-    }
-    let is_turned = |knob: &Parameter| {
-        changes.iter().any(|change| matches!(change, Action::Set { parameter, .. } if parameter == knob))
+    let keeps_form = (!pilots || holds_form(held)) && !script.iter().any(chooses_form);
+    let stays = |switch: Switch| {
+        let turns = |line: &LoggedAction| match &line.action {
+            Action::Switch { switch: turned, .. } => *turned == switch,
+            Action::Take { preset, .. } => preset.settings.switches.contains_key(&switch),
+            _ => false,
+        };
+        let holds =
+            |change: &Action| matches!(change, Action::Switch { switch: kept, .. } if *kept == switch);
+        held.iter().any(holds) || !(pilots || script.iter().any(turns))
     };
-    let ignored = |knob: Parameter| Some(Warning::of(knob.name(), ignored_by(form, knob, voices)?));
+    let is_turned = |knob: &Parameter| {
+        asked.iter().any(|change| matches!(change, Action::Set { parameter, .. } if parameter == knob))
+    };
+    let by_switch = |knob: Parameter| {
+        let (switch, on) = needed_by(knob)?;
+        let is_idle = begun.is_on(switch) != on && stays(switch);
+        is_idle
+            .then(|| format!("Without effect while {} is {}.", switch.name(), if on { "off" } else { "on" }))
+    };
+    let by_form = |knob: Parameter| ignored_by(begun.form, knob, voices).filter(|_| keeps_form);
+    let ignored = |knob: Parameter| {
+        let why = by_form(knob).map(str::to_owned).or_else(|| by_switch(knob))?;
+        Some(Warning::of(knob.name(), why))
+    };
     Parameter::ALL.into_iter().filter(is_turned).filter_map(ignored).collect()
 }
 
@@ -176,6 +203,7 @@ mod tests {
     fn knobs_that_the_form_ignores_are_warned_of_unless_another_form_may_come() {
         let dancer = plate();
         let mu = Action::Set { parameter: Parameter::StereoMu, value: 1.0 };
+        let one_for_all = Action::Switch { switch: Switch::OwnMu, on: false };
         let side = Action::Set { parameter: Parameter::SideGain, value: 3.0 };
         let detail = Action::Set { parameter: Parameter::Detail, value: 5.0 };
         let [filter, modal] = [Form::Filter, Form::Modal].map(|form| Action::SetForm { form });
@@ -183,17 +211,43 @@ mod tests {
             let changes: Vec<Action> = changes.iter().copied().cloned().collect();
             let beginning = Beginning { changes: changes.clone(), ..Beginning::default() };
             let (instrument, _) = beginning.begin(&dancer, false).unwrap();
-            let warnings = in_vain(&changes, instrument.parameters().form, script, voices);
+            let warnings = in_vain(&changes, instrument.parameters(), script, false, voices);
             warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
         };
         let said = warned(&[&mu, &mu], &[], false);
         assert!(said.len() == 1 && said[0].contains("Without effect in halves"), "{said:?}");
         assert_eq!(warned(&[&mu, &side, &detail], &[], false).len(), 2);
         assert_eq!(warned(&[&mu, &side], &[], true).len(), 1);
-        assert_eq!(warned(&[&filter, &mu, &side, &detail], &[], false).len(), 0);
-        assert_eq!(warned(&[&modal, &mu, &side, &detail], &[], false).len(), 1);
+        assert_eq!(warned(&[&filter, &one_for_all, &mu, &side, &detail], &[], false).len(), 0);
+        assert_eq!(warned(&[&modal, &one_for_all, &mu, &side, &detail], &[], false).len(), 1);
         let later = LoggedAction { moment: Moment::default(), action: modal };
-        assert_eq!(warned(&[&mu], &[later], false).len(), 0);
+        assert_eq!(warned(&[&one_for_all, &mu], &[later], false).len(), 0);
+    }
+
+    #[test]
+    fn knobs_whose_switch_is_off_are_warned_of_unless_it_may_be_turned() {
+        let dancer = plate();
+        let set = |parameter: Parameter| Action::Set { parameter, value: parameter.initial() };
+        let [damping, grains] = [Parameter::Damping, Parameter::Grains].map(set);
+        let turn = |switch, on| Action::Switch { switch, on };
+        let warned = |changes: &[Action], later: Option<Action>, pilots: bool| {
+            let changes = changes.to_vec();
+            let beginning = Beginning { changes: changes.clone(), ..Beginning::default() };
+            let (instrument, _) = beginning.begin(&dancer, false).unwrap();
+            let script = later.map(|action| LoggedAction { moment: Moment::default(), action });
+            let warnings = in_vain(&changes, instrument.parameters(), script.as_slice(), pilots, false);
+            warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        let dry = [turn(Switch::Resonate, false), damping.clone()];
+        let said = warned(&dry, None, false);
+        assert!(said.len() == 1 && said[0].contains("Without effect while resonate is off"), "{said:?}");
+        // Such a change holds in the dances of the autopilot, too.
+        assert_eq!(warned(&dry, None, true).len(), 1);
+        assert!(warned(&[damping], None, false).is_empty());
+        let grains = [grains];
+        assert_eq!(warned(&grains, None, false).len(), 1);
+        assert!(warned(&grains, Some(turn(Switch::Sand, true)), false).is_empty());
+        assert!(warned(&grains, None, true).is_empty());
     }
 
     #[test]

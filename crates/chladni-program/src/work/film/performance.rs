@@ -129,14 +129,16 @@ impl Performance {
         self.staging.color(own);
     }
 
-    /// Dances and strength change with the music, and looks unless the film's own is kept; another `draw`, other ones.
+    /// Dances and strength change with the music, and looks, from the film's own on, unless that is kept; another `draw`,
+    /// other ones.
     /// The `held` changes stay in all of them.
     ///
     /// # Errors
     /// Where a dance of the repertoire cannot be read, and where the instrument refuses an action.
-    pub fn pilot(&mut self, keeps_look: bool, held: Vec<Action>, draw: u64) -> Result<(), Error> {
+    pub fn pilot(&mut self, own: &Look, keeps_look: bool, held: Vec<Action>, draw: u64) -> Result<(), Error> {
         let programme = Programme::new(&self.instrument, Vec::new(), self.start_secs, draw)?;
-        let mut programme = programme.on_sheet(self.staging.is_flat()).keeping_look(keeps_look).keeping(held);
+        let programme = programme.on_sheet(self.staging.is_flat()).opening_in(own);
+        let mut programme = programme.keeping_look(keeps_look).keeping(held);
         let at_secs = self.start_secs;
         for action in programme.step(at_secs, true, &self.instrument) {
             self.instrument.apply(Moment { at_secs, at_beat: 0.0 }, action)?;

@@ -8,7 +8,7 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::vec3::single;
-use chladni_music::{Ensemble, Instrument, PAPER_MODE};
+use chladni_music::{Ensemble, Instrument};
 use chladni_sound::{WavSample, write_wav};
 use chladni_view::{Film as Reel, FilmFormat, FilmSettings};
 
@@ -22,7 +22,6 @@ use super::titles::Titles;
 use super::{Film, ONE_DANCE, preset_in, sound_beside, sound_in};
 use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
-use crate::work::held::holds_form;
 use crate::work::left_out::left_of_gltf;
 use crate::work::outputs::{earlier_frames, odd_sides};
 use crate::work::{
@@ -83,11 +82,9 @@ impl Prepared {
         let keeps_look = wanted.beginning.keeps_look;
         let held = wanted.beginning.changes.clone();
         let begun = std::mem::take(&mut wanted.beginning).begin(&dancer, is_flat(&rest))?;
-        if holds_form(&held) || !wanted.autopilot {
-            // Paper mode turns knobs that another form, asked for beside it, may ignore.
-            let asked = held.strip_prefix(&PAPER_MODE).unwrap_or(&held);
-            watcher.warn_each(in_vain(asked, begun.0.parameters().form, &begun.1, !voices.is_empty()));
-        }
+        let (instrument, script) = &begun;
+        let (pilots, has_voices) = (wanted.autopilot, !voices.is_empty());
+        watcher.warn_each(in_vain(&held, instrument.parameters(), script, pilots, has_voices));
         let box_diagonal = dancer.box_diagonal;
         let voices = voices.into_iter().map(|(_, term)| term).collect();
         let ensemble = Ensemble::new(dancer).with_voices(voices)?;
@@ -111,7 +108,7 @@ impl Prepared {
         performance.shows_rest = wanted.output.shows_rest;
         if wanted.autopilot {
             // Each song has its own dances, in every film of it.
-            performance.pilot(keeps_look, held, songs.draw())?;
+            performance.pilot(&wanted.look, keeps_look, held, songs.draw())?;
         }
         if wanted.output.titles {
             performance.titles = Titles::of(&wanted.songs, songs.stretches(), start_secs);

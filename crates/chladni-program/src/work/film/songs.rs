@@ -232,7 +232,8 @@ impl Songs {
         all
     }
 
-    /// Joins what does not follow from each other, at leaps and at pauses, as the player does: the step fades out.
+    /// Joins what does not follow from each other, at leaps and at pauses, as the player does: what was heard last fades out
+    /// under what comes.
     fn join(&self, sounding: &[Stretch], sound: &mut Song) {
         let rate_hz = f64::from(sound.rate_hz);
         let length = ((SEAM_SECS * sound.rate_hz as f32) as usize).max(1);
@@ -243,10 +244,9 @@ impl Songs {
             }
             for side in [&mut sound.left, &mut sound.right] {
                 let Some((heard, coming)) = side.split_at_mut_checked(seam as usize) else { continue };
-                let [Some(last), Some(first)] = [heard.last(), coming.first()] else { continue };
-                let step = last - first;
+                let Some(&last) = heard.last() else { continue };
                 for (i, sample) in coming.iter_mut().take(length).enumerate() {
-                    *sample += step * (1.0 - i as f32 / length as f32);
+                    *sample += (1.0 - i as f32 / length as f32) * (last - *sample);
                 }
             }
         }
@@ -429,7 +429,7 @@ mod tests {
     }
 
     #[test]
-    fn leaps_and_pauses_do_not_click() {
+    fn leaps_and_pauses_neither_click_nor_clip() {
         // From a crest to a trough and back, and a pause at a crest.
         let heard = [
             stretch(0.0, 0, 0.0, true),
@@ -444,6 +444,8 @@ mod tests {
         // That of the sine, and that of a fade over twice its amplitude.
         let slope = std::f32::consts::TAU * SINE_HZ / 8_000.0 + 2.1 / (SEAM_SECS * 8_000.0);
         assert!(largest < slope, "{largest} of {slope}");
+        let loudest = sound.left.iter().fold(0.0_f32, |most, sample| most.max(sample.abs()));
+        assert!(loudest < 1.0 + 1e-6, "louder than the song: {loudest}");
         assert!(sound.left[5_000..6_400].iter().all(|sample| *sample == 0.0));
         // What goes on where it was is the song.
         let whole = of_sines(&[8_000], &heard[..1]);

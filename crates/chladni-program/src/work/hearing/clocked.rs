@@ -4,7 +4,7 @@
 use chladni_music::{BarLine, Beat, ClockTrack, Director, Framing, Moment};
 
 use super::Hearing;
-use super::songs::ROUNDED_BEATS;
+use super::songs::Seam;
 
 /// A clock, and who films to it.
 #[derive(Default)]
@@ -66,12 +66,12 @@ impl Hearing {
             return beat;
         }
         let beat = self.beat_by_songs(at_secs);
-        Beat { count: beat.count + self.added_after_clocks(at_secs), ..beat }
+        Beat { count: self.seam_after_clocks(at_secs).count(beat.count), ..beat }
     }
 
-    /// The whole beats added to those of the songs at a time when no clock is followed, so that the count does not go
-    /// back from that of the clock, or of live input, before.
-    fn added_after_clocks(&self, at_secs: f64) -> f64 {
+    /// How the count goes on with the songs at a time when no clock is followed, so that it does not go back from that of
+    /// the clock, or of live input, before.
+    fn seam_after_clocks(&self, at_secs: f64) -> Seam {
         let track = &self.clocked.track;
         let (mut ends, mut until_secs, mut clocked) = (Vec::new(), at_secs, false);
         while let Some(left) = track.mark_at(until_secs).filter(|_| !clocked) {
@@ -81,10 +81,11 @@ impl Hearing {
         }
         // A recording of live input may have more beats than were counted when it came in. Those of a song do not
         // count while a clock is followed.
-        let before = if clocked { f64::NEG_INFINITY } else { 0.0 };
-        ends.iter().rev().fold(before, |added, left| {
-            let least = self.beat_by_songs(left.at_secs.next_down()).count + added;
-            (left.count.max(least) - self.beat_by_songs(left.at_secs).count - ROUNDED_BEATS).ceil()
+        let nothing = Seam { gone: f64::NEG_INFINITY, added: f64::NEG_INFINITY };
+        let before = if clocked { nothing } else { Seam::default() };
+        ends.iter().rev().fold(before, |seam, left| {
+            let least = seam.count(self.beat_by_songs(left.at_secs.next_down()).count);
+            Seam::after(left.count.max(least), self.beat_by_songs(left.at_secs).count)
         })
     }
 
@@ -123,7 +124,7 @@ impl Hearing {
         let fits = known.filter(|known| known.since_secs == since_secs && known.heard_secs <= at_secs);
         let mut filming = fits.unwrap_or_else(|| {
             // A performance played to a clock is filmed like live sound, whether a song or live input plays.
-            let director = Director::of_song(seed_at(since_secs));
+            let director = Director::of_song(seed_at(since_secs), since_secs);
             ClockDirector { since_secs, heard_secs: since_secs - 1e-9, director }
         });
         let bars = self.bars_between(filming.heard_secs, at_secs);
@@ -189,15 +190,15 @@ mod tests {
             (0..300).map(|i| hearing.framing_at(f64::from(i) / 25.0, seed_at)).collect()
         };
         // Another gallery begins while the clock is followed.
-        let seed_at = |secs: f64| if secs < 5.0 { 7 } else { 8 };
+        let seed_at = |secs: f64| if secs < 7.5 { 7 } else { 8 };
         let (frames, before, after) = (film(&seed_at), film(&|_| 7), film(&|_| 8));
         let mut leaping = clocked();
         for i in [299, 120, 0, 226, 60, 61] {
             assert_eq!(leaping.framing_at(i as f64 / 25.0, seed_at), frames[i]);
         }
         // Shots that have begun go on.
-        assert_eq!(frames[..125], before[..125]);
-        assert!(frames[125..] != before[125..] && before[..125] != after[..125]);
+        assert_eq!(frames[..188], before[..188]);
+        assert!(frames[188..] != before[188..] && before[..188] != after[..188]);
     }
 
     #[test]
@@ -213,6 +214,18 @@ mod tests {
         assert!((500.0..502.0).contains(&live.beat_at(6.0).count), "{:?}", live.beat_at(6.0));
         let done = |at_secs| live.beats_at(Moment { at_secs, at_beat: 77.0 });
         assert_eq!([3.0, 7.0].map(done), [77.0, live.beat_at(7.0).count]);
+    }
+
+    #[test]
+    fn the_count_waits_for_the_songs_where_live_input_ends_just_after_their_beat() {
+        let mut live = hearing();
+        live.begin(Stretch { song: None, ..stretch(0.0, 0.0, true) }).unwrap();
+        live.begin(stretch(6.0, 2.0, true)).unwrap();
+        let [begins, later] = [6.0, 6.5].map(|at_secs| live.beat_at(at_secs).count);
+        live.leave_live(6.0, Beat { count: begins + 100.01, confidence: 1.0 });
+        let counted = [6.0, 6.5].map(|at_secs| live.beat_at(at_secs).count);
+        assert!((counted[0] - begins - 100.01).abs() < 1e-9, "{counted:?} after {begins}");
+        assert!((counted[1] - later - 100.0).abs() < 1e-9, "{counted:?} after {later}");
     }
 
     #[test]

@@ -5,21 +5,43 @@ use chladni_music::{BarLine, Beat, Director, Framing, Stretch};
 use super::{Hearing, SongDirector};
 use crate::work::bars::{bar_lines, bar_lines_among};
 
-/// Fewer beats than this are not made up for by a whole one: counts are rounded.
-pub(super) const ROUNDED_BEATS: f64 = 1e-6;
+/// Music whose beat lags behind the count by up to this much is waited for: otherwise the count would leap by almost a beat.
+/// No loop is cut to its beats exactly.
+const STILL_BEATS: f64 = 0.25;
+
+/// How the count of beats goes on where other music begins.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Seam {
+    /// The beats gone by before it, below which the count does not fall.
+    pub gone: f64,
+    /// The whole beats to add to those of the music.
+    pub added: f64,
+}
+
+impl Seam {
+    /// After `gone` beats, with music whose own count begins at `count`.
+    pub fn after(gone: f64, count: f64) -> Self {
+        Self { gone, added: (gone - count - STILL_BEATS).ceil() }
+    }
+
+    /// The beats gone by where those of the music are `count`.
+    pub fn count(self, count: f64) -> f64 {
+        (count + self.added).max(self.gone)
+    }
+}
 
 impl Hearing {
-    /// The stretch that is heard at `at_secs`, with the whole beats added to those of its song; before the first one, that.
-    pub(super) fn stretch_at(&self, at_secs: f64) -> Option<(Stretch, f64)> {
+    /// The stretch that is heard at `at_secs`, and how the count goes on with it; before the first one, that.
+    pub(super) fn stretch_at(&self, at_secs: f64) -> Option<(Stretch, Seam)> {
         let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= at_secs);
         self.stretches.get(begun.saturating_sub(1)).copied()
     }
 
     /// Beats of the songs gone by at any time of the show so far.
     pub(super) fn beat_by_songs(&self, at_secs: f64) -> Beat {
-        let Some((stretch, added)) = self.stretch_at(at_secs) else { return Beat::default() };
+        let Some((stretch, seam)) = self.stretch_at(at_secs) else { return Beat::default() };
         let beat = self.beat_of_song(stretch, stretch.song_secs_at(at_secs));
-        Beat { count: beat.count + added, ..beat }
+        Beat { count: seam.count(beat.count), ..beat }
     }
 
     /// How the camera frames the shape then: by the bars of the song that is heard, and the seeds of their times.
@@ -30,7 +52,7 @@ impl Hearing {
         let (since_secs, seed) = (stretch.at_secs, seed_at(f64::INFINITY));
         let known = self.directors.get(&number);
         if known.is_none_or(|known| known.since_secs != since_secs || known.seed != seed) {
-            let mut director = Director::of_song(seed);
+            let mut director = Director::of_song(seed, 0.0);
             let beats = self.songs.get(&number).and_then(|song| song.beats.as_ref());
             for bar in beats.into_iter().flat_map(bar_lines) {
                 let seed = seed_at(since_secs + (bar.at_secs - stretch.song_secs).max(0.0));
@@ -65,17 +87,17 @@ impl Hearing {
         })
     }
 
-    /// The whole beats to add in `stretch` so that none of those gone by before comes back.
-    pub(super) fn added_beats(&self, before: &[(Stretch, f64)], stretch: Stretch) -> f64 {
-        let Some((last, added)) = before.last() else { return 0.0 };
-        let gone = self.beat_of_song(*last, last.song_secs_at(stretch.at_secs)).count + added;
-        (gone - self.beat_of_song(stretch, stretch.song_secs).count - ROUNDED_BEATS).ceil()
+    /// How the count goes on in `stretch`, so that no beat gone by before comes back.
+    pub(super) fn seam(&self, before: &[(Stretch, Seam)], stretch: Stretch) -> Seam {
+        let Some((last, seam)) = before.last() else { return Seam::default() };
+        let gone = seam.count(self.beat_of_song(*last, last.song_secs_at(stretch.at_secs)).count);
+        Seam::after(gone, self.beat_of_song(stretch, stretch.song_secs).count)
     }
 
     pub(super) fn count_again(&mut self) {
         for i in 0..self.stretches.len() {
             let (before, stretch) = (&self.stretches[..i], self.stretches[i].0);
-            self.stretches[i].1 = self.added_beats(before, stretch);
+            self.stretches[i].1 = self.seam(before, stretch);
         }
     }
 }

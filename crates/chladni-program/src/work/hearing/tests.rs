@@ -91,6 +91,27 @@ fn a_pause_is_no_leap_however_many_beats_were_added() {
 }
 
 #[test]
+fn a_loop_has_its_own_number_of_beats() {
+    /// Eight beats, and 6 ms more.
+    const LOOP_SECS: f64 = 4.006;
+    let mut hearing = Hearing::default();
+    hearing.know(0, known());
+    let beats_secs = (0..8).map(|i| 0.5 * f64::from(i)).collect();
+    hearing.know_beats(0, Beats { beats_secs, confidence: 1.0, ..Beats::default() });
+    for round in 0..4 {
+        hearing.begin(stretch(LOOP_SECS * f64::from(round), 0.0, true)).unwrap();
+    }
+    let mut last = 1.0;
+    for i in 0..1600 {
+        let count = hearing.beat_at(0.01 * f64::from(i)).count;
+        assert!((last..last + 0.05).contains(&count), "{count} after {last}");
+        last = count;
+    }
+    let count = hearing.beat_at(3.0 * LOOP_SECS + 2.0).count;
+    assert!((count - 29.0).abs() < 1e-9, "{count}");
+}
+
+#[test]
 fn after_a_long_absence_the_ear_begins_anew_and_nothing_fades() {
     let (mut hearing, mut clock) = (hearing(), ShowClock::default());
     let look = |hearing: &mut Hearing, clock: &mut ShowClock, now_secs: f64| {

@@ -26,6 +26,8 @@ const LOWER: f32 = 0.33;
 const LOWER_REACHES: f32 = 0.8;
 /// The share of the largest displacement by which a figure rises in loud music.
 const RISES: f32 = 0.9;
+/// How far the lower end of a slim figure sinks, as a share of how far the upper one rises.
+const SINKS: f32 = 0.3;
 /// The same by which its sides move outward: the loudest dances of a gallery grow by about half of that displacement.
 const SPREADS: f32 = 0.55;
 /// How far from the middle of the shape to the part that moves most a camera looks that comes near it.
@@ -66,13 +68,18 @@ impl Filled {
         let part = std::array::from_fn(|i| middle[i] + PART * (dancer.liveliest[i] - middle[i]));
         let largest = limit * dancer.box_diagonal;
         let rises = RISES * largest;
+        let is_slim = stands_on_a_narrow_part(surface, stands);
         let moving = |most_heights| Headroom {
             rises,
+            sinks: SINKS * rises,
             // A sheet moves along its normal.
             spreads: if flat { 0.0 } else { SPREADS * largest },
             most_heights,
             most_widths: WHOLE_WIDTHS,
         };
+        // The lower end of a ring or a bell moves as far as the upper one.
+        let sinks = if is_slim { SINKS * rises } else { rises };
+        let whole = Headroom { sinks, ..moving(WHOLE_HEIGHTS) };
         let close = Headroom { spreads: 0.0, most_widths: near_widths(aspect), ..moving(NEAR_HEIGHTS) };
         let filling = |target, share, room| Filling::new(surface, stands, target, aspect, share, room);
         Self {
@@ -81,9 +88,8 @@ impl Filled {
             rises,
             ends: extremes(surface),
             middle,
-            whole: filling(middle, COVERS[0], moving(WHOLE_HEIGHTS)),
-            cropped: stands_on_a_narrow_part(surface, stands)
-                .then(|| filling(middle, SLIM_COVERS, moving(CROPPED_HEIGHTS))),
+            whole: filling(middle, COVERS[0], whole),
+            cropped: is_slim.then(|| filling(middle, SLIM_COVERS, moving(CROPPED_HEIGHTS))),
             part,
             near: filling(part, COVERS[1], close),
         }

@@ -12,7 +12,7 @@ pub fn first_looks() -> Looks {
 pub const OWN_COLORS: &str = "own";
 
 /// The look of the dance on stage in place of the show's, as far as this version knows it. Shapes that show their own
-/// colors keep them, and effects that are left out stay so.
+/// colors keep them, effects that are left out stay so, and so does a blur that is kept.
 pub fn look_on_stage(instrument: &Instrument, of_show: Look) -> Look {
     let staged = instrument.look().and_then(Look::named);
     staged.map_or(of_show, |look| look.in_place_of(&of_show))
@@ -134,5 +134,11 @@ mod tests {
         let (of_show, _) = look_named(&Looks { look: "aurora".into(), without, ..Looks::default() });
         let finish = Look::EMBER.finish.without(Effect::Trails);
         assert_eq!(look_on_stage(&instrument, of_show), Look { finish, ..Look::EMBER });
+        // A blur belongs to its look, unless it is kept.
+        let mut soft = Look { finish: Finish { blur: 0.9, ..Look::AURORA.finish }, ..Look::AURORA };
+        assert_eq!(look_on_stage(&instrument, soft), Look::EMBER);
+        soft.finish.keeps_blur = true;
+        let finish = Finish { blur: 0.9, keeps_blur: true, ..Look::EMBER.finish };
+        assert_eq!(look_on_stage(&instrument, soft), Look { finish, ..Look::EMBER });
     }
 }

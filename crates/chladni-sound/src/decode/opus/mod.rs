@@ -14,6 +14,8 @@ use symphonia::core::codecs::registry::{RegisterableAudioDecoder, SupportedAudio
 use symphonia::core::errors::{Result, decode_error, unsupported_error};
 use symphonia::core::packet::PacketRef;
 
+use super::downmix::usual;
+
 /// The decoder's rate; the rate of the original recording does not matter (RFC 7845 §5.1).
 const RATE_HZ: u32 = 48_000;
 /// The longest packet is 120 ms (RFC 6716 §3.2.5).
@@ -118,8 +120,9 @@ impl OpusDecoder {
         let extra_data = params.extra_data.as_deref().unwrap_or_default();
         let head = Head::parse(extra_data)?;
         let count = usize::from(extra_data[9]);
-        let named = params.channels.clone().filter(|channels| channels.count() == count);
-        let spec = AudioSpec::new(RATE_HZ, named.unwrap_or(Channels::Discrete(count as u16)));
+        // Matroska states only their number, and what it states may be wrong.
+        let channels = if extra_data[18] == 1 { usual(count) } else { Channels::Discrete(count as u16) };
+        let spec = AudioSpec::new(RATE_HZ, channels);
         let mut params = params.clone();
         params.with_sample_rate(RATE_HZ).with_channels(spec.channels().clone());
         Ok(Self {
@@ -223,12 +226,26 @@ mod tests {
     use super::*;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::{Rng, SeedableRng};
+    use symphonia::core::audio::layouts;
 
     fn decoder(channels: u8) -> OpusDecoder {
         let head = [b"OpusHead\x01", &[channels][..], &[0; 6], &[0; 2], &[0]].concat();
         let mut params = AudioCodecParameters::new();
         params.for_codec(CODEC_ID_OPUS).with_extra_data(head.into());
         OpusDecoder::try_new(&params).unwrap()
+    }
+
+    #[test]
+    fn channels_that_a_container_only_counts_have_speakers() {
+        let mapping = [4_u8, 2, 0, 4, 1, 2, 3, 5];
+        let head = [b"OpusHead\x01", &[6_u8][..], &[0; 8], &[1], &mapping].concat();
+        let mut params = AudioCodecParameters::new();
+        params.for_codec(CODEC_ID_OPUS).with_extra_data(head.into()).with_channels(Channels::Discrete(6));
+        let decoder = OpusDecoder::try_new(&params).unwrap();
+        assert_eq!(decoder.codec_params().channels, Some(layouts::CHANNEL_LAYOUT_5P1));
+        for (i, order) in WAVE_ORDER.iter().enumerate() {
+            assert_eq!(usual(i + 1).count(), order.len());
+        }
     }
 
     /// A checksum protects the decoder from damaged pages in Ogg; other containers have none.

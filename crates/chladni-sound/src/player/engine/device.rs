@@ -95,6 +95,7 @@ impl Engine {
         (self.song, self.tail) = (None, Tail::default());
         let mut timeline = self.shared.timeline();
         self.shared.clock.restart();
+        timeline.outputs += 1;
         timeline.rate_hz = self.output.rate_hz;
         timeline.device = self.output.device.clone();
         timeline.history = History::new(self.output.rate_hz);

@@ -131,8 +131,12 @@ impl GalleryView {
             ui.horizontal_wrapped(|ui| self.bar(ui, session));
         });
         if self.shown.is_none() {
-            ui.centered_and_justified(|ui| {
-                ui.label("Twelve caricatures appear here: click those that you like, then breed.")
+            // Justified, two lines of words would be stretched from edge to edge.
+            ui.add_space(0.4 * ui.available_height());
+            egui::Frame::new().inner_margin(vec2(theme::GAP_LARGE, 0.0)).show(ui, |ui| {
+                ui.vertical_centered(|ui| {
+                    ui.label("Twelve caricatures appear here: click those that you like, then breed.")
+                })
             });
             return Ok(true);
         }

@@ -103,6 +103,11 @@ impl Picking {
             && self.renewals == session.renewals()
     }
 
+    /// Whether half a pair waits for its other half.
+    pub fn has_pending(&self) -> bool {
+        self.picks.pending().is_some()
+    }
+
     /// Forgets half a pair; false where there was none.
     pub fn drop_pending(&mut self) -> bool {
         self.picks.drop_pending()

@@ -214,6 +214,12 @@ impl Session {
         self.shown.evaluation.layers.iter().filter(failed).map(|layer| layer.id).collect()
     }
 
+    /// Whether `layer` does nothing yet, because its template is still to be matched.
+    pub fn is_waiting(&self, layer: LayerId) -> bool {
+        let layers = &self.shown.evaluation.layers;
+        layers.iter().any(|evaluated| evaluated.id == layer && evaluated.state == LayerState::Waiting)
+    }
+
     /// Triangles folded by `layer`; `None` until it is evaluated.
     pub fn folds_of(&self, layer: LayerId) -> Option<usize> {
         let index = self.shown.evaluation.layers.iter().position(|evaluated| evaluated.id == layer)?;

@@ -57,6 +57,8 @@ pub struct Concert {
     saved: usize,
     /// The show was read from a file, or saved.
     is_of_a_file: bool,
+    /// The number of log lines up to the last in which a person changed how it plays.
+    changed: usize,
     ensemble: Ensemble,
     deformed: Deformed,
     pane: Pane,
@@ -135,6 +137,7 @@ impl Concert {
             instrument,
             saved: 0,
             is_of_a_file: false,
+            changed: 0,
             ensemble,
             deformed,
             wardrobe,
@@ -265,7 +268,7 @@ impl Concert {
         let fades = matches!(action, Action::Crossfade { .. }) && next.is_some();
         // One that was chosen in the gallery to be next is still that once something is on stage.
         let waits = next.filter(|_| !self.on_stage() && action.opens_stage() && action != Action::Go);
-        self.instrument.apply(self.moment, action)?;
+        self.apply_by_hand(action)?;
         if ends_piloting || fades && self.instrument.next_on_stage().is_none() {
             self.end_piloting()?;
         }
@@ -335,6 +338,7 @@ impl Concert {
         // Items of another show may have the same numbers.
         (self.judging, self.draft) = (Judging::default(), None);
         self.outgoing.change_show();
+        self.changed = 0;
         self.mark_saved();
         self.view = View::Gallery;
         (self.viewpoint, self.hand) = (show.viewpoint, Hand::default());
@@ -352,6 +356,7 @@ impl Concert {
         self.moment = before.moment;
         self.replay(&Show::of(&before.instrument))?;
         (self.saved, self.is_of_a_file) = (before.saved, before.is_of_a_file);
+        self.changed = before.changed;
         self.viewpoint = viewpoint;
         self.strew_on_sheets(before.staging.is_flat())
     }

@@ -3,6 +3,7 @@
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use chladni_music::{Action, BarLine, Preset};
+use chladni_view::Look;
 
 use super::Concert;
 use crate::work::{Error, Programme};
@@ -18,8 +19,9 @@ impl Concert {
         self.piloted.as_ref().is_some_and(Programme::holds)
     }
 
-    /// Puts the autopilot on stage, with the dances that are kept as favorites; or ends it.
-    pub fn pilot(&mut self, kept: Vec<Preset>) -> Result<(), Error> {
+    /// Puts the autopilot on stage, at first in the show's `own` look, with the dances that are kept as favorites; or ends
+    /// it.
+    pub fn pilot(&mut self, kept: Vec<Preset>, own: &Look) -> Result<(), Error> {
         if self.piloted.is_some() {
             return self.act(Action::LeaveStage);
         }
@@ -29,10 +31,12 @@ impl Concert {
         // Another evening, another program: its actions are written down in the show.
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
         let programme = Programme::new(&self.instrument, favorites, self.moment.at_secs, now)?;
-        let mut programme = programme.on_sheet(self.staging.is_flat());
+        let mut programme = programme.on_sheet(self.staging.is_flat()).opening_in(own);
         let actions = programme.step(self.moment.at_secs, true, &self.instrument);
+        let changed = self.changed;
         self.act_all(actions)?;
-        self.piloted = Some(programme);
+        // What it has set is set back in the end.
+        (self.piloted, self.changed) = (Some(programme), changed);
         Ok(())
     }
 

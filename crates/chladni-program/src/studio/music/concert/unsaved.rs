@@ -1,6 +1,6 @@
 //! What of the show no file has.
 
-use chladni_music::{Action, LoggedAction};
+use chladni_music::{Action, LoggedAction, MusicError};
 
 use super::Concert;
 
@@ -13,24 +13,38 @@ impl Concert {
     /// No file of the user has any of the actions, though a copy had.
     pub fn mark_unsaved(&mut self) {
         (self.saved, self.is_of_a_file) = (0, true);
+        self.changed = self.instrument.log().len();
+    }
+
+    /// Applies an action of a person, and notes it where it changes how the show plays.
+    pub(super) fn apply_by_hand(&mut self, action: Action) -> Result<(), MusicError> {
+        let (changes, count) = (changes_playing(&action), self.instrument.log().len());
+        self.instrument.apply(self.moment, action)?;
+        let now = self.instrument.log().len();
+        // A knob that is put where it stands is not logged.
+        if changes && now > count {
+            self.changed = now;
+        }
+        Ok(())
     }
 
     /// Whether there are favorites, names or hand-drawn curves that are not saved; of a show that has a file, also
-    /// whether there are children.
+    /// whether there are children, or a person has changed how it plays.
     pub fn has_unsaved_work(&self) -> bool {
         self.has_unsaved_work_since(0)
     }
 
     /// The same of what was done after this number of actions.
     pub fn has_unsaved_work_since(&self, count: usize) -> bool {
-        self.has_since(count.max(self.saved), |action| {
-            is_by_hand(action) || self.is_of_a_file && action.is_bred()
-        })
+        let since = count.max(self.saved);
+        let differs = self.is_of_a_file && (since < self.changed || self.has_since(since, Action::is_bred));
+        differs || self.has_since(since, is_by_hand)
     }
 
     /// Whether there is anything that was not saved and would be missed.
     pub fn has_changed(&self) -> bool {
-        self.has_since(self.saved, |action| is_by_hand(action) || action.is_bred())
+        let counts = |action: &Action| is_by_hand(action) || action.is_bred();
+        self.saved < self.changed || self.has_since(self.saved, counts)
     }
 
     /// Whether another gallery would take away dances that no file has. Favorites would stay.
@@ -65,10 +79,57 @@ fn is_by_hand(action: &Action) -> bool {
     )
 }
 
+/// Whether an action changes how the show plays, whatever comes on stage.
+fn changes_playing(action: &Action) -> bool {
+    matches!(
+        action,
+        Action::Set { .. }
+            | Action::Switch { .. }
+            | Action::SetForm { .. }
+            | Action::SetChoir { .. }
+            | Action::SetHarmonics { .. }
+            | Action::SetVoice { .. }
+            | Action::NewGallery { .. }
+            | Action::Load { .. }
+            | Action::Take { .. }
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_music::Moment;
+    use chladni_music::{Moment, Parameter, Show};
+    use chladni_view::Look;
+
+    #[test]
+    fn knobs_that_a_person_turned_are_copied_and_asked_about_where_the_show_has_a_file() {
+        let mut concert = Concert::of_ball(32).unwrap();
+        let turn = |concert: &mut Concert, value| {
+            concert.act(Action::Set { parameter: Parameter::Gain, value }).unwrap();
+        };
+        let state = |concert: &Concert| (concert.has_changed(), concert.has_unsaved_work());
+        assert_eq!(state(&concert), (false, false));
+        turn(&mut concert, 7.0);
+        assert_eq!(state(&concert), (true, false), "it has no file");
+        concert.mark_saved();
+        turn(&mut concert, 7.0);
+        assert_eq!(state(&concert), (false, false), "it stood there");
+        // The autopilot turns knobs, too, and turns them back.
+        concert.pilot(Vec::new(), &Look::AURORA).unwrap();
+        assert!(concert.is_piloted());
+        concert.end_piloting().unwrap();
+        assert_eq!(state(&concert), (false, false), "nobody did anything");
+        turn(&mut concert, 3.0);
+        assert_eq!(state(&concert), (true, true));
+        let mut other = Concert::of_ball(32).unwrap();
+        other.go_on_from(&concert).unwrap();
+        assert_eq!(state(&other), (true, true), "on another shape");
+        let show = Show::of(concert.instrument());
+        concert.replay(&show).unwrap();
+        assert_eq!(state(&concert), (false, false), "it was only opened");
+        concert.mark_unsaved();
+        assert_eq!(state(&concert), (true, true), "recovered");
+    }
 
     #[test]
     fn what_was_bred_since_a_gallery_began_goes_with_it_and_favorites_do_not() {

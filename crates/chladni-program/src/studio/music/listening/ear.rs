@@ -87,7 +87,10 @@ impl Listening {
         live.take(dt_secs, &mut self.left, &mut self.right);
         [&mut self.left, &mut self.right].into_iter().for_each(|side| self.input.amplify(side));
         if let Some(tee) = &mut self.tee {
-            (tee.rate_hz, tee.until) = (live.capture.rate_hz(), None);
+            tee.rate_hz = live.capture.rate_hz();
+            if tee.until.take().is_some() {
+                tee.breaks.push(tee.left.len());
+            }
             tee.left.extend_from_slice(&self.left);
             tee.right.extend_from_slice(&self.right);
         }
@@ -130,7 +133,7 @@ impl Listening {
     pub(super) fn forget_beat(&mut self) {
         let _ = self.ear.follower.reset();
         if !self.follows_clock() {
-            self.director = self.director.anew();
+            self.director = self.director.anew(0.0);
         }
     }
 }

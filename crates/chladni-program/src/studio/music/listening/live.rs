@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn a_program_that_was_lost_is_heard_when_it_is_back() {
+    fn a_source_that_was_lost_is_heard_when_it_is_back() {
         let Some(server) = chladni_testdata::SoundServer::start() else { return };
         // The environment names the sound server, and belongs to a whole process.
         let inside = concat!(module_path!(), "::in_a_process_with_its_own_sound_server");
@@ -272,5 +272,20 @@ mod tests {
         until("that it is back", |now_secs| heard(&mut live, now_secs).0 == Fate::Back);
         until("its sound again", |now_secs| heard(&mut live, now_secs).1);
         stop(player);
+        // A sink takes its monitor along; the server would go on with that of another one.
+        let pactl = |arguments: &[&str]| {
+            let output = Command::new("pactl").args(arguments).output().unwrap();
+            String::from_utf8(output.stdout).unwrap().trim().to_owned()
+        };
+        let sink = ["load-module", "module-null-sink", "sink_name=other"];
+        let module = pactl(&sink);
+        let found = capture_sources().unwrap().into_iter().find(|source| source.name == "other.monitor");
+        let source = found.unwrap();
+        let mut live = Live::new(Capture::start(&source).unwrap(), source.name.clone(), Some(source));
+        until("its frames", |_| live.capture.take(&mut Vec::new(), &mut Vec::new()) > 0);
+        pactl(&["unload-module", &module]);
+        until("that it is lost, too", |now_secs| heard(&mut live, now_secs).0 == Fate::Lost);
+        pactl(&sink);
+        until("that it is back, too", |now_secs| heard(&mut live, now_secs).0 == Fate::Back);
     }
 }

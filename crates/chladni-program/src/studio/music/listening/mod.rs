@@ -15,14 +15,14 @@ pub use outer::Progress;
 pub use wanted::{Input, MOST_GAIN_DB};
 
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use chladni_music::{
     BarLine, Beat, BeatReading, ClockTrack, Director, Framing, Moment, Parameters, Stretch, Taps,
 };
 use chladni_sound::{
-    Beats, Level, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, SongTags, Spectrum,
-    WavSample, sample_tune, write_wav,
+    Beats, HeardTo, Level, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, SongTags,
+    Spectrum, WavSample, sample_tune, write_wav,
 };
 
 use egui::Context;
@@ -121,8 +121,10 @@ pub struct HeardSound {
     pub rate_hz: u32,
     pub left: Vec<f32>,
     pub right: Vec<f32>,
+    /// Frames of it, or the one behind it, that do not follow from those before.
+    pub breaks: Vec<usize>,
     /// Where in all that the player plays it ends.
-    until: Option<u64>,
+    until: Option<HeardTo>,
 }
 
 /// A message of the player or of the ears.
@@ -185,7 +187,7 @@ impl Listening {
             last_secs: 0.0,
             last_position_secs: 0.0,
             // Its seed comes before its first bar.
-            director: Director::live(0),
+            director: Director::live(0, 0.0),
             fresh_bars: Vec::new(),
             bars_told_secs: 0.0,
             outer: Outer::default(),
@@ -285,21 +287,33 @@ impl Listening {
         self.hearing.beats_at(moment)
     }
 
-    /// The song after the one that plays; live input ends.
-    pub fn next_song(&mut self) {
+    /// The song after the one that plays; live input ends. Without `plays`, a paused song is followed by a paused one.
+    pub fn next_song(&mut self, plays: bool) {
+        let plays = plays || self.live.is_some();
         self.stop_listening();
-        self.player.next();
+        self.player.next(plays);
     }
 
-    /// The one before it, or its beginning.
-    pub fn previous_song(&mut self) {
+    /// The one before it, or its beginning, likewise.
+    pub fn previous_song(&mut self, plays: bool) {
+        let plays = plays || self.live.is_some();
         self.stop_listening();
-        self.player.previous();
+        self.player.previous(plays);
     }
 
     /// The player.
     pub fn player(&self) -> &Player {
         &self.player
+    }
+
+    /// The player's state for the eye. Where a new list has no song that can be opened, the player still knows place and
+    /// length of the one heard before; no song has them now.
+    pub fn status(&self) -> PlayerStatus {
+        let status = self.player.status();
+        if status.is_listed || status.state != PlayerState::Stopped {
+            return status;
+        }
+        PlayerStatus { position_secs: 0.0, duration_secs: None, ..status }
     }
 
     /// The last spectrum, and where its bands lie.
@@ -446,16 +460,19 @@ impl Listening {
         self.tee = on.then(HeardSound::default);
     }
 
-    /// Sound since the last call, while it is kept.
-    pub fn take_sound(&mut self) -> Option<HeardSound> {
+    /// Sound since the last call, while it is kept, and how long ago its end was heard.
+    pub fn take_sound(&mut self) -> Option<(Duration, HeardSound)> {
         let tee = self.tee.as_mut()?;
+        let mut age = self.heard_at.elapsed();
         if self.live.is_none() {
             let status = self.player.status();
             tee.rate_hz = status.rate_hz;
-            self.player.take_heard(&mut tee.until, &mut tee.left, &mut tee.right);
+            age = Duration::ZERO;
+            let breaks = self.player.take_heard(&mut tee.until, &mut tee.left, &mut tee.right);
+            tee.breaks.extend(breaks);
         }
         let rest = HeardSound { rate_hz: tee.rate_hz, until: tee.until, ..HeardSound::default() };
-        Some(std::mem::replace(tee, rest))
+        Some((age, std::mem::replace(tee, rest)))
     }
 
     /// The shot that was called by hand: a number of [`SHOTS`](chladni_music::SHOTS).

@@ -69,6 +69,8 @@ impl Listening {
             if !tempo.is_known() {
                 return self.warnings.push("There is no tempo to hold yet.".into());
             }
+            // Held before the camera begins anew, which asks whether it is followed.
+            tempo.lock(true);
             self.outer.tempo = tempo;
             (self.outer.was_followed, self.outer.is_of_music) = (true, true);
             self.film_anew();
@@ -181,7 +183,8 @@ impl Listening {
 
     /// Bars now have another time.
     fn film_anew(&mut self) {
-        self.director = self.director.anew();
+        let at_secs = if self.follows_clock() { self.shown_secs() } else { self.ear.follower.now_secs() };
+        self.director = self.director.anew(at_secs);
     }
 }
 

@@ -32,7 +32,7 @@ impl Listening {
         let first = self.songs.len();
         let files: Vec<PathBuf> = songs.iter().map(|song| self.file_of(song).to_owned()).collect();
         self.songs.extend(files);
-        self.player.set_songs(self.songs.clone());
+        self.player.rearrange(self.songs.clone(), (0..first).map(Some).collect());
         first
     }
 
@@ -43,19 +43,27 @@ impl Listening {
 
     /// Puts the songs in an order by chance; the one that is heard comes first, and goes on.
     pub fn shuffle(&mut self, seed: u64) {
-        self.shuffle_around(self.player.status().song, seed);
-        self.player.set_songs(self.songs.clone());
+        let places = self.shuffle_around(self.player.status().song, seed);
+        self.player.rearrange(self.songs.clone(), places);
     }
 
-    fn shuffle_around(&mut self, heard: usize, seed: u64) {
-        let heard = heard.min(self.songs.len().saturating_sub(1));
-        self.songs.swap(0, heard);
+    /// Returns where each song has gone.
+    fn shuffle_around(&mut self, heard: usize, seed: u64) -> Vec<Option<usize>> {
+        let mut order: Vec<usize> = (0..self.songs.len()).collect();
+        let heard = heard.min(order.len().saturating_sub(1));
+        order.swap(0, heard);
         let mut state = seed;
-        for last in (2..self.songs.len()).rev() {
+        for last in (2..order.len()).rev() {
             // Knuth's linear congruential generator: good enough to shuffle songs.
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            self.songs.swap(last, 1 + (state >> 33) as usize % last);
+            order.swap(last, 1 + (state >> 33) as usize % last);
         }
+        self.songs = order.iter().map(|&from| self.songs[from].clone()).collect();
+        let mut places = vec![None; order.len()];
+        for (place, from) in order.into_iter().enumerate() {
+            places[from] = Some(place);
+        }
+        places
     }
 
     /// Takes a song out of the list; the last one makes room for the sample tune.
@@ -64,10 +72,12 @@ impl Listening {
             return;
         }
         self.songs.remove(song);
+        let kept = |place: usize| (place != song).then(|| place - usize::from(place > song));
+        let places = (0..=self.songs.len()).map(kept).collect();
         if self.songs.is_empty() {
             self.songs.push(self.tune.clone());
         }
-        self.player.set_songs(self.songs.clone());
+        self.player.rearrange(self.songs.clone(), places);
     }
 
     /// Plays a song of the list.
@@ -172,7 +182,7 @@ impl Listening {
 
     /// Where in its song the sound is; the player's status is that of the moment that is shown.
     pub fn heard_secs(&self) -> f64 {
-        (self.player.status().position_secs - self.player.shown_ahead_secs()).max(0.0)
+        (self.status().position_secs - self.player.shown_ahead_secs()).max(0.0)
     }
 
     /// The device that was chosen; `None` is the system's own.
@@ -201,8 +211,10 @@ impl Listening {
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;
+    use std::time::{Duration, Instant};
 
     use chladni_music::{BeatReading, ClockTrack, Moment, Parameters};
+    use chladni_sound::{PlayerState, PlayerStatus};
 
     use super::*;
     use crate::work::formats::TUNE;
@@ -219,13 +231,13 @@ mod tests {
             heard.at_secs
         };
         while listening.player().status().position_secs < 0.3 {
-            std::thread::sleep(std::time::Duration::from_millis(5));
+            std::thread::sleep(Duration::from_millis(5));
         }
         listening.player().pause();
         // The position stands once the pause has reached the device.
         let (mut last, mut stood) = (-1.0, 0);
         while stood < 50 {
-            std::thread::sleep(std::time::Duration::from_millis(20));
+            std::thread::sleep(Duration::from_millis(20));
             let now = listening.player().status().position_secs;
             stood = if now == last { stood + 1 } else { 0 };
             last = now;
@@ -241,6 +253,27 @@ mod tests {
         let (capture, _feed) = chladni_sound::Capture::fed(48_000).unwrap();
         listening.listen_on(capture, "feed".into());
         assert_eq!(listening.ahead_secs(), 0.0, "live input is not known before it is heard");
+    }
+
+    #[test]
+    fn a_song_that_cannot_be_opened_has_neither_place_nor_length() {
+        let folder = tempfile::tempdir().unwrap();
+        let broken = folder.path().join("broken.wav");
+        std::fs::write(&broken, b"no music").unwrap();
+        let mut listening = listening();
+        let until = |listening: &Listening, is_it: fn(&PlayerStatus) -> bool| {
+            let end = Instant::now() + chladni_testdata::HANGS;
+            while !is_it(&listening.player().status()) {
+                assert!(Instant::now() < end, "{:?}", listening.player().status());
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        };
+        until(&listening, |status| status.duration_secs.is_some() && status.position_secs > 0.0);
+        listening.add(vec![broken]);
+        until(&listening, |status| status.state == PlayerState::Stopped);
+        let status = listening.status();
+        assert_eq!((status.position_secs, status.duration_secs), (0.0, None));
+        assert_eq!((listening.heard_secs(), listening.source_name()), (0.0, "broken".into()));
     }
 
     #[test]
@@ -265,7 +298,8 @@ mod tests {
         let songs: Vec<PathBuf> = (0..40).map(|n| PathBuf::from(format!("{n}.flac"))).collect();
         for (heard, seed) in [(0, 1), (7, 2), (39, 3), (7, 4)] {
             listening.songs.clone_from(&songs);
-            listening.shuffle_around(heard, seed);
+            let places = listening.shuffle_around(heard, seed);
+            assert!(places.iter().zip(&songs).all(|(to, song)| listening.songs[to.unwrap()] == *song));
             assert_eq!(listening.songs[0], songs[heard]);
             assert_eq!(listening.songs.iter().collect::<HashSet<_>>(), songs.iter().collect());
             assert_eq!(listening.songs.len(), songs.len());

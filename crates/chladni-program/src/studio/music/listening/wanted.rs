@@ -206,7 +206,7 @@ mod tests {
         let instead: [&dyn Fn(&mut Listening); 5] = [
             &|listening| listening.select(0),
             &Listening::toggle,
-            &Listening::next_song,
+            &|listening| listening.next_song(true),
             &|listening| listening.toggle_live(Some("no such input"), &ctx),
             &|listening| listening.go_on(Vec::new(), &[], ClockTrack::default(), Moment::default()),
         ];

@@ -104,7 +104,7 @@ impl Player {
     }
 
     fn stop(&self) {
-        self.ask(Asked::Pause);
+        self.ask(Asked::Stop);
     }
 
     fn play_pause(&self) {

@@ -8,9 +8,11 @@ mod midi;
 mod osc;
 mod panel;
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use chladni_music::{Action, Bindings, ClockMessage, Control, Cue, Parameters, Standing, Touch, osc_cue};
+use chladni_music::{
+    Action, Bindings, ClockMessage, Control, Cue, OscMessage, Parameters, Standing, Touch, osc_cue, preceding,
+};
 
 use self::beat_out::BeatOut;
 pub use self::beat_out::Now;
@@ -20,7 +22,13 @@ use self::leader::Leader;
 use self::midi::{Devices, Midi};
 use self::osc::{Osc, Senders};
 use super::preferences::Preferences;
+use crate::studio::notices::Notices;
 use crate::work::Error;
+
+/// The matter of notices about the port of OSC.
+const OSC: &str = "OSC";
+/// A port that another program has is tried again after this time.
+const LISTEN_AGAIN: Duration = Duration::from_secs(5);
 
 /// Devices, port and bindings.
 #[derive(Default)]
@@ -32,6 +40,8 @@ pub struct Remote {
     osc: Option<Result<Osc, Error>>,
     /// The port that `osc` was opened for.
     port: Option<(u16, Senders)>,
+    /// When that was tried last.
+    tried: Option<Instant>,
     bindings: Bindings,
     /// The number of the choice or dance that is being learned; 0 is none.
     number: u32,
@@ -77,26 +87,15 @@ impl Remote {
         preferences: &mut Preferences,
         parameters: &Parameters,
         standing: Standing<'_>,
+        notices: &mut Notices,
     ) -> Asked {
         if self.midi.is_none() {
             self.bindings = Bindings::new(preferences.bindings.clone());
             self.midi = Some(Midi::start());
         }
-        let from = if preferences.osc_network {
-            Senders::Network(preferences.osc_allowed.clone())
-        } else {
-            Senders::Here
-        };
-        let port = preferences.osc_port.map(|port| (port, from));
-        if self.port != port {
-            self.port = port;
-            // The old port is closed first: it may be the same one.
-            self.osc = None;
-            let listen = |(port, from)| {
-                Osc::listen(port, from).map_err(|why| Error::other(why).of(format_args!("port {port}")))
-            };
-            self.osc = self.port.clone().map(listen);
-        }
+        self.listen(preferences, notices);
+        // As they will be once the cues so far are done.
+        let mut parameters = parameters.clone();
         let mut cues = Vec::new();
         let said = self.midi.iter().flatten().flat_map(Midi::clock);
         let own = preferences.clock_out.as_deref();
@@ -108,24 +107,12 @@ impl Remote {
         }
         let touched: Vec<Touch> = self.midi.iter().flatten().flat_map(Midi::touches).collect();
         for touch in touched.into_iter().filter(|_| !forgets) {
-            self.touch(&touch, parameters, standing, &mut cues);
+            self.touch(&touch, &mut parameters, standing, &mut cues);
         }
-        if let Some(Ok(osc)) = &self.osc {
-            for (message, came) in osc.messages().collect::<Vec<_>>() {
-                let said = ClockMessage::from_osc(&message.address, message.value);
-                let own = osc_cue(&message.address, message.value, message.text.as_deref(), parameters);
-                match (own, said) {
-                    (Some(_), _) | (None, None) if forgets => {}
-                    (Some(cue), _) => push(&mut cues, cue),
-                    (None, Some(said)) => clock.push((said, came)),
-                    (None, None) => {
-                        let (address, value) = (message.address, message.value);
-                        let cue = self.bindings.touch_osc(&address, value, parameters, standing);
-                        self.last = Some(Control::Osc { address });
-                        cue.into_iter().for_each(|cue| push(&mut cues, cue));
-                    }
-                }
-            }
+        clock.extend(self.osc.iter().flatten().flat_map(Osc::clock));
+        let touched: Vec<OscMessage> = self.osc.iter().flatten().flat_map(Osc::touches).collect();
+        for message in touched.into_iter().filter(|_| !forgets) {
+            self.touch_osc(message, &mut parameters, standing, &mut cues);
         }
         if preferences.bindings != self.bindings.list() {
             preferences.bindings = self.bindings.list().to_vec();
@@ -137,6 +124,34 @@ impl Remote {
             }
         }
         Asked { cues, clock }
+    }
+
+    /// Listens on the port that the preferences ask for.
+    fn listen(&mut self, preferences: &Preferences, notices: &mut Notices) {
+        let from = if preferences.osc_network {
+            Senders::Network(preferences.osc_allowed.clone())
+        } else {
+            Senders::Here
+        };
+        let port = preferences.osc_port.map(|port| (port, from));
+        let is_new = self.port != port;
+        let has_failed = matches!(self.osc, Some(Err(_)));
+        let is_due = self.tried.is_none_or(|tried| tried.elapsed() > LISTEN_AGAIN);
+        if !(is_new || (has_failed && is_due)) {
+            return;
+        }
+        (self.port, self.tried) = (port, Some(Instant::now()));
+        // The old port is closed first: it may be the same one.
+        self.osc = None;
+        let listen = |(port, from)| {
+            Osc::listen(port, from).map_err(|why| Error::other(why).of(format_args!("port {port}")))
+        };
+        self.osc = self.port.clone().map(listen);
+        match &self.osc {
+            Some(Err(why)) if is_new => notices.update(OSC, format!("No OSC is heard: {why}")),
+            Some(Err(_)) => {}
+            Some(Ok(_)) | None => notices.withdraw(OSC),
+        }
     }
 
     /// Tells others of the beat, where the preferences ask for it.
@@ -178,28 +193,121 @@ impl Remote {
         }
     }
 
-    fn touch(&mut self, touch: &Touch, parameters: &Parameters, standing: Standing<'_>, cues: &mut Vec<Cue>) {
+    fn touch(
+        &mut self,
+        touch: &Touch,
+        parameters: &mut Parameters,
+        standing: Standing<'_>,
+        cues: &mut Vec<Cue>,
+    ) {
         self.last = Some(touch.control.clone());
         if let Some(cue) = self.bindings.touch(touch, parameters, standing) {
-            push(cues, cue);
+            push(cues, parameters, cue);
         }
+    }
+
+    fn touch_osc(
+        &mut self,
+        message: OscMessage,
+        parameters: &mut Parameters,
+        standing: Standing<'_>,
+        cues: &mut Vec<Cue>,
+    ) {
+        let OscMessage { address, value, text } = message;
+        let cue = match osc_cue(&address, value, text.as_deref(), parameters) {
+            Some(cue) => Some(cue),
+            // A button of a clock is let go.
+            None if ClockMessage::from_osc(&address, Some(1.0)).is_some() => None,
+            None => {
+                let cue = self.bindings.touch_osc(&address, value, parameters, standing);
+                self.last = Some(Control::Osc { address });
+                cue
+            }
+        };
+        cue.into_iter().for_each(|cue| push(cues, parameters, cue));
     }
 }
 
-/// If a knob turns several times within a frame, only the last turn counts.
-fn push(cues: &mut Vec<Cue>, cue: Cue) {
-    if let Cue::Do(Action::Set { parameter: turned, .. }) = cue {
-        cues.retain(|known| !matches!(known, Cue::Do(Action::Set { parameter, .. }) if *parameter == turned));
+/// If a knob turns several times within a frame, only the last turn counts. In `parameters`, switches and choices are left
+/// as they will be once the cue is done: the next press goes on from there.
+fn push(cues: &mut Vec<Cue>, parameters: &mut Parameters, cue: Cue) {
+    if let Cue::Do(action) = &cue
+        && let Some(Action::Switch { switch, on }) = preceding(action, parameters)
+    {
+        parameters.switch(switch, on);
+    }
+    match cue {
+        Cue::Do(Action::Set { parameter: turned, .. }) => cues
+            .retain(|known| !matches!(known, Cue::Do(Action::Set { parameter, .. }) if *parameter == turned)),
+        Cue::Do(Action::Switch { switch, on }) => parameters.switch(switch, on),
+        Cue::Do(Action::SetForm { form }) => parameters.form = form,
+        Cue::Do(Action::SetChoir { choir }) => parameters.choir = choir,
+        _ => {}
     }
     cues.push(cue);
 }
 
 #[cfg(test)]
 mod tests {
-    use chladni_music::Beat;
+    use std::net::{Ipv4Addr, UdpSocket};
+
+    use chladni_music::{Beat, Form, Switch};
 
     use super::*;
     use crate::studio::music::listening::Progress;
+
+    #[test]
+    fn a_port_that_another_program_has_is_tried_again() {
+        let other = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let osc_port = Some(other.local_addr().unwrap().port());
+        let preferences = Preferences { osc_port, ..Preferences::default() };
+        let (mut remote, mut notices) = (Remote::default(), Notices::default());
+        remote.listen(&preferences, &mut notices);
+        assert!(matches!(remote.osc, Some(Err(_))));
+        drop(other);
+        // However long a busy machine takes from here on.
+        remote.tried = Some(Instant::now() + Duration::from_secs(3600));
+        remote.listen(&preferences, &mut notices);
+        assert!(matches!(remote.osc, Some(Err(_))));
+        remote.tried = None;
+        remote.listen(&preferences, &mut notices);
+        assert!(matches!(remote.osc, Some(Ok(_))));
+    }
+
+    #[test]
+    fn presses_of_one_frame_count_one_after_the_other() {
+        let (mut cues, mut parameters) = (Vec::new(), Parameters::default());
+        for address in ["/chladni/form", "/chladni/own-mu"].repeat(2) {
+            let cue = osc_cue(address, None, None, &parameters).unwrap();
+            push(&mut cues, &mut parameters, cue);
+        }
+        // From the half-mask form and a µ of each dance.
+        let own_mu = |on| Cue::Do(Action::Switch { switch: Switch::OwnMu, on });
+        let form = |form| Cue::Do(Action::SetForm { form });
+        assert_eq!(cues, [form(Form::Filter), own_mu(false), form(Form::Modal), own_mu(true)]);
+    }
+
+    #[test]
+    fn a_press_goes_on_from_a_switch_that_a_knob_turned() {
+        let (mut cues, mut parameters) = (Vec::new(), Parameters::default());
+        // At first each dance has a µ of its own, until the common one is turned.
+        for (address, value) in [("/chladni/stereo-mu", Some(0.5)), ("/chladni/own-mu", None)] {
+            let cue = osc_cue(address, value, None, &parameters).unwrap();
+            push(&mut cues, &mut parameters, cue);
+        }
+        assert_eq!(cues.last(), Some(&Cue::Do(Action::Switch { switch: Switch::OwnMu, on: true })));
+    }
+
+    #[test]
+    fn a_button_of_a_clock_that_is_let_go_is_no_control() {
+        let (mut remote, mut parameters, mut cues) = (Remote::default(), Parameters::default(), Vec::new());
+        for (address, value) in [("/1/fader1", 0.5), ("/stop", 0.0), ("/chladni/beat", 0.0)] {
+            let message = OscMessage { address: address.into(), value: Some(value), text: None };
+            remote.touch_osc(message, &mut parameters, &|_, _| None, &mut cues);
+        }
+        assert_eq!(remote.last, Some(Control::Osc { address: "/1/fader1".into() }));
+        assert!(cues.is_empty());
+    }
 
     #[test]
     fn a_clock_that_could_not_be_sent_is_tried_again_for_another_device() {

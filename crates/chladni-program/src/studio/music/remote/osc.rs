@@ -1,16 +1,17 @@
 //! OSC messages over UDP.
 
+use std::collections::VecDeque;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use chladni_music::{LONGEST_OSC_PACKET, OscMessage};
+use chladni_music::{ClockMessage, LONGEST_OSC_PACKET, OscMessage};
 
-/// Messages that may wait for the next frame.
+/// Touches that may wait for the next frame, and as many messages of a clock.
 const MOST_MESSAGES: usize = 256;
 
 /// Whose messages are heard.
@@ -33,7 +34,8 @@ impl Senders {
 /// A port that is listened to. Dropping it closes the port.
 pub struct Osc {
     address: SocketAddr,
-    messages: Receiver<(OscMessage, Instant)>,
+    touches: Receiver<OscMessage>,
+    clock: Arc<Clock>,
     counts: Arc<Counts>,
     thread: Option<JoinHandle<()>>,
 }
@@ -42,8 +44,35 @@ pub struct Osc {
 struct Counts {
     good: AtomicU64,
     bad: AtomicU64,
-    waiting: AtomicUsize,
     closed: AtomicBool,
+}
+
+/// Messages of a clock, and when they came. Touches cannot fill this queue: nothing empties theirs while another room is
+/// open.
+#[derive(Default)]
+struct Clock(Mutex<VecDeque<(ClockMessage, Instant)>>);
+
+impl Clock {
+    /// Adds a message. In a full queue the oldest beat makes room, or else the oldest tempo: later ones replace them.
+    fn hear(&self, message: ClockMessage, came: Instant) {
+        let mut waiting = self.lock();
+        if waiting.len() >= MOST_MESSAGES {
+            let oldest = |is: fn(&ClockMessage) -> bool| waiting.iter().position(|(known, _)| is(known));
+            let beat = oldest(|known| matches!(known, ClockMessage::Beat { .. }));
+            let least = beat.or_else(|| oldest(|known| matches!(known, ClockMessage::Tempo { .. })));
+            waiting.remove(least.unwrap_or(0));
+        }
+        waiting.push_back((message, came));
+    }
+
+    /// All of them, which then no longer wait.
+    fn take(&self) -> VecDeque<(ClockMessage, Instant)> {
+        std::mem::take(&mut *self.lock())
+    }
+
+    fn lock(&self) -> MutexGuard<'_, VecDeque<(ClockMessage, Instant)>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Osc {
@@ -54,12 +83,12 @@ impl Osc {
         // The thread looks this often whether the port is to be closed.
         socket.set_read_timeout(Some(Duration::from_millis(200)))?;
         let address = socket.local_addr()?;
-        let (sender, messages) = sync_channel(MOST_MESSAGES);
-        let counts = Arc::new(Counts::default());
-        let counted = Arc::clone(&counts);
-        let receiver = move || receive(&socket, &from, &sender, &counted);
+        let (touch, touches) = sync_channel(MOST_MESSAGES);
+        let (clock, counts) = (Arc::new(Clock::default()), Arc::new(Counts::default()));
+        let (ticking, counted) = (Arc::clone(&clock), Arc::clone(&counts));
+        let receiver = move || receive(&socket, &from, &touch, &ticking, &counted);
         let thread = Some(std::thread::Builder::new().name("osc".into()).spawn(receiver)?);
-        Ok(Self { address, messages, counts, thread })
+        Ok(Self { address, touches, clock, counts, thread })
     }
 
     /// The port.
@@ -67,15 +96,17 @@ impl Osc {
         self.address.port()
     }
 
-    /// Messages since the last call, and when they came.
-    pub fn messages(&self) -> impl Iterator<Item = (OscMessage, Instant)> {
-        let messages = self.messages.try_iter().take(MOST_MESSAGES);
-        messages.inspect(|_| {
-            self.counts.waiting.fetch_sub(1, Ordering::Relaxed);
-        })
+    /// Messages since the last call, without those of a clock.
+    pub fn touches(&self) -> impl Iterator<Item = OscMessage> {
+        self.touches.try_iter().take(MOST_MESSAGES)
     }
 
-    /// Packets that were read, and packets that were rejected: not OSC, too long or too many.
+    /// Messages of a clock since the last call, and when they came.
+    pub fn clock(&self) -> impl Iterator<Item = (ClockMessage, Instant)> + use<> {
+        self.clock.take().into_iter()
+    }
+
+    /// Packets that were taken, and packets that were not, or not whole: not OSC, too long or too many.
     pub fn counts(&self) -> (u64, u64) {
         (self.counts.good.load(Ordering::Relaxed), self.counts.bad.load(Ordering::Relaxed))
     }
@@ -91,16 +122,17 @@ impl Drop for Osc {
     }
 }
 
-fn receive(socket: &UdpSocket, from: &Senders, sender: &SyncSender<(OscMessage, Instant)>, counts: &Counts) {
+fn receive(
+    socket: &UdpSocket,
+    from: &Senders,
+    touch: &SyncSender<OscMessage>,
+    clock: &Clock,
+    counts: &Counts,
+) {
     let mut packet = [0u8; LONGEST_OSC_PACKET + 1];
     while !counts.closed.load(Ordering::Relaxed) {
         let length = match socket.recv_from(&mut packet) {
-            // While nobody takes what waits, a flood is not even read.
-            Ok((length, sender))
-                if from.allows(sender.ip()) && counts.waiting.load(Ordering::Relaxed) < MOST_MESSAGES =>
-            {
-                length
-            }
+            Ok((length, sender)) if from.allows(sender.ip()) => length,
             Ok(_) => {
                 counts.bad.fetch_add(1, Ordering::Relaxed);
                 continue;
@@ -117,19 +149,32 @@ fn receive(socket: &UdpSocket, from: &Senders, sender: &SyncSender<(OscMessage, 
             counts.bad.fetch_add(1, Ordering::Relaxed);
             continue;
         };
-        counts.good.fetch_add(1, Ordering::Relaxed);
-        let came = Instant::now();
+        let (came, mut has_room) = (Instant::now(), true);
         for message in messages {
-            counts.waiting.fetch_add(1, Ordering::Relaxed);
-            match sender.try_send((message, came)) {
+            match pass_on(message, came, touch, clock) {
                 Ok(()) => {}
-                Err(TrySendError::Full(_)) => {
-                    counts.waiting.fetch_sub(1, Ordering::Relaxed);
-                    counts.bad.fetch_add(1, Ordering::Relaxed);
-                }
+                Err(TrySendError::Full(_)) => has_room = false,
                 Err(TrySendError::Disconnected(_)) => return,
             }
         }
+        let count = if has_room { &counts.good } else { &counts.bad };
+        count.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// Sends a message to its queue; fails where it is a touch and finds no room.
+fn pass_on(
+    message: OscMessage,
+    came: Instant,
+    touch: &SyncSender<OscMessage>,
+    clock: &Clock,
+) -> Result<(), TrySendError<OscMessage>> {
+    match ClockMessage::from_osc(&message.address, message.value) {
+        Some(said) => {
+            clock.hear(said, came);
+            Ok(())
+        }
+        None => touch.try_send(message),
     }
 }
 
@@ -155,14 +200,35 @@ mod tests {
             sender.send_to(&[b'/'; 4000], to).unwrap();
             sender.send_to(&packet, to).unwrap();
             std::thread::sleep(Duration::from_millis(20));
-            got.extend(osc.messages().map(|(message, _)| message));
-            if !got.is_empty() && osc.counts().1 >= 2 {
+            got.extend(osc.touches());
+            let (good, bad) = osc.counts();
+            if !got.is_empty() && good >= 1 && bad >= 2 {
                 break;
             }
         }
         assert_eq!(got[0], OscMessage { address: "/1/fader1".into(), value: Some(0.75), text: None });
         let (good, bad) = osc.counts();
         assert!(good >= 1 && bad >= 2, "{good} {bad}");
+    }
+
+    #[test]
+    fn a_clock_is_heard_however_many_touches_and_beats_wait() {
+        let ((touch, touches), clock) = (sync_channel(MOST_MESSAGES), Clock::default());
+        let hear = |address: &str, value| {
+            let message = OscMessage { address: address.into(), value, text: None };
+            pass_on(message, Instant::now(), &touch, &clock).is_ok()
+        };
+        assert_eq!((0..300).filter(|_| hear("/1/fader1", Some(0.5))).count(), MOST_MESSAGES);
+        assert!(hear("/start", None) && hear("/tempo", Some(140.0)));
+        assert!((0..300).all(|_| hear("/beat", None)) && hear("/stop", None));
+        let said: Vec<ClockMessage> = clock.take().into_iter().map(|(message, _)| message).collect();
+        assert_eq!(said.len(), MOST_MESSAGES);
+        assert_eq!(said[..2], [ClockMessage::Start, ClockMessage::Tempo { bpm: 140.0 }]);
+        assert_eq!(said.last(), Some(&ClockMessage::Stop));
+        assert_eq!((clock.take().len(), touches.try_iter().count()), (0, MOST_MESSAGES));
+        // Of tempos alone the last ones count.
+        assert!((20..400).all(|bpm: u16| hear("/tempo", Some(f32::from(bpm)))));
+        assert_eq!(clock.take().back().map(|said| said.0), Some(ClockMessage::Tempo { bpm: 399.0 }));
     }
 
     #[test]
@@ -203,7 +269,7 @@ mod tests {
         });
         let (mut taken, mut frames) = (0, 0u32);
         while !flood.is_finished() {
-            let count = osc.messages().count();
+            let count = osc.touches().count();
             assert!(count <= MOST_MESSAGES, "{count}");
             (taken, frames) = (taken + count, frames + 1);
             std::thread::sleep(Duration::from_millis(16));
@@ -217,7 +283,7 @@ mod tests {
         let sender = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let packet = encoder::encode(&message("/after", vec![])).unwrap();
         let began = Instant::now();
-        while !osc.messages().any(|(message, _)| message.address == "/after") {
+        while !osc.touches().any(|message| message.address == "/after") {
             assert!(began.elapsed() < chladni_testdata::HANGS);
             sender.send_to(&packet, (Ipv4Addr::LOCALHOST, port)).unwrap();
             std::thread::sleep(Duration::from_millis(20));

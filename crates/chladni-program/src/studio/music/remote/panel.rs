@@ -1,5 +1,6 @@
 //! The panel for devices, for the bindings of controls, and for learning them.
 
+use std::net::{IpAddr, Ipv4Addr};
 use std::path::Path;
 
 use chladni_music::{Bindings, Kind, Target};
@@ -126,19 +127,27 @@ impl Remote {
         }
         let field = egui::TextEdit::singleline(&mut self.allowed).hint_text("192.168.1.20, 192.168.1.21");
         let label = ui.label("Only these").id;
-        let tip = "Addresses of machines that are heard; none: anyone on this network can turn the knobs";
+        let tip =
+            "IPv4 addresses of machines that are heard; none: anyone on this network can turn the knobs";
         let field = ui.add(field.desired_width(f32::INFINITY)).labelled_by(label).on_hover_text(tip);
-        let words = || self.allowed.split([',', ' ']).filter(|word| !word.is_empty());
-        match words().map(str::parse).collect::<Result<Vec<_>, _>>() {
-            Ok(allowed) if field.changed() => preferences.osc_allowed = allowed,
-            Ok(_) if !field.has_focus() => {
+        let field = field.author_id("osc-allowed");
+        match addresses(&self.allowed) {
+            // A list that is being typed would let in other machines, an empty one any.
+            Some(allowed) if field.lost_focus() => preferences.osc_allowed = allowed,
+            Some(_) if !field.has_focus() => {
                 let allowed: Vec<String> = preferences.osc_allowed.iter().map(ToString::to_string).collect();
                 self.allowed = allowed.join(", ");
             }
-            Ok(_) => {}
-            Err(_) => theme::warning(ui, "These are no addresses: those before are still heard."),
+            Some(_) => {}
+            None => theme::warning(ui, "These are no IPv4 addresses: those before are still heard."),
         }
     }
+}
+
+/// The addresses in a list; `None` where others are in it than those of IPv4, which alone are listened to.
+fn addresses(typed: &str) -> Option<Vec<IpAddr>> {
+    let words = typed.split([',', ' ']).filter(|word| !word.is_empty());
+    words.map(|word| word.parse::<Ipv4Addr>().ok().map(IpAddr::V4)).collect()
 }
 
 /// Bindings as a file, for another machine.
@@ -245,5 +254,18 @@ fn name(target: Target) -> &'static str {
         Target::Parameter(parameter) => knobs::knob_name(parameter),
         Target::Switch(switch) => knobs::switch_name(switch),
         _ => target.about(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_addresses_that_can_be_heard_are_taken() {
+        let desk = IpAddr::from([192, 168, 1, 20]);
+        assert_eq!(addresses("192.168.1.20, 127.0.0.1"), Some(vec![desk, Ipv4Addr::LOCALHOST.into()]));
+        assert_eq!(addresses(" "), Some(Vec::new()));
+        assert_eq!((addresses("fe80::1"), addresses("192.168.1.20, desk")), (None, None));
     }
 }
