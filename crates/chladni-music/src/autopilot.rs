@@ -5,7 +5,7 @@ use crate::stage::hash;
 
 /// A dance is not repeated within this time, unless all others are as recent.
 pub const REPEAT_SECS: f64 = 600.0;
-/// The shortest time that a dance lasts: at 15 s, 40 dances fill [`REPEAT_SECS`].
+/// The shortest time that a dance lasts: at 15 s, 41 dances fill [`REPEAT_SECS`], which counts from their end.
 const SHORTEST_SECS: f64 = 15.0;
 /// Where no section begins, a group of four bars does after this time.
 const LONG_SECS: f64 = 20.0;

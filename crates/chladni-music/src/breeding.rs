@@ -63,8 +63,16 @@ pub fn mutate(mapping: &Mapping, amount: f32, rng: &mut ChaCha8Rng) -> Mapping {
             }
         }
     }
-    mutant.gain = (mapping.gain / mapping.even_gain() * mutant.even_gain()).clamp(0.0, 100.0);
-    mutant
+    as_loud_as(mutant, over_even(mapping))
+}
+
+/// How much louder or softer than its even gain a mapping is.
+fn over_even(mapping: &Mapping) -> f32 {
+    mapping.gain / mapping.even_gain()
+}
+
+fn as_loud_as(mapping: Mapping, over_even: f32) -> Mapping {
+    Mapping { gain: (over_even * mapping.even_gain()).clamp(0.0, 100.0), ..mapping }
 }
 
 /// The mutation of shows before version 4: bands may move to the constant harmonic, and the gain stays.
@@ -80,10 +88,8 @@ pub(crate) fn mutate_plainly(mapping: &Mapping, amount: f32, rng: &mut ChaCha8Rn
 impl Genome for Mapping {
     /// As [`breed`] says; a child inherits how much louder or softer than their even gain its parents are.
     fn child(mother: &Self, father: &Self, rng: &mut ChaCha8Rng) -> Self {
-        let mut child = breed(mother, father, rng);
-        let loudness = [mother, father].map(|parent| parent.gain / parent.even_gain());
-        child.gain = (0.5 * (loudness[0] + loudness[1]) * child.even_gain()).clamp(0.0, 100.0);
-        child
+        let child = breed(mother, father, rng);
+        as_loud_as(child, 0.5 * (over_even(mother) + over_even(father)))
     }
 
     fn mutant(&self, amount: f32, rng: &mut ChaCha8Rng) -> Self {
@@ -96,7 +102,7 @@ impl Genome for Mapping {
 
     /// Some sound is seen to move it.
     fn is_viable(&self) -> bool {
-        self.loudness_beyond(0) >= SILENT
+        self.loudness_from(1) >= SILENT
     }
 }
 

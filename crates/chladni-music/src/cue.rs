@@ -1,7 +1,7 @@
 //! The requests that controls make: an action of the instrument, or something of the window.
 
 use crate::target::{CHOIRS, FORMS, Kind, MOST_HARMONICS, Target};
-use crate::{Action, Parameter, Parameters, Switch};
+use crate::{Action, MAX_GENES, Parameter, Parameters, Switch};
 
 /// Which choice or dance, or which level.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,7 +78,7 @@ pub fn setting(name: &str, value: &str) -> Option<Action> {
         "form" => Some(Action::SetForm { form: choice(&FORMS, value)? }),
         "choir" => Some(Action::SetChoir { choir: choice(&CHOIRS, value)? }),
         "harmonics" => {
-            Some(Action::SetHarmonics { harmonics: number()?.round().clamp(0.0, 16_384.0) as u32 })
+            Some(Action::SetHarmonics { harmonics: number()?.round().clamp(0.0, MAX_GENES as f32) as u32 })
         }
         _ => None,
     }

@@ -307,7 +307,7 @@ impl Instrument {
             }
             Action::Mutate { item, amount } => {
                 let spare = spare_constants(&self.shape.eigenvalues) as u32;
-                let is_seen = |mutant: &Mapping| mutant.loudness_beyond(spare) >= SILENT;
+                let is_seen = |mutant: &Mapping| mutant.loudness_from(spare + 1) >= SILENT;
                 self.gallery.mutate_until(item, amount, is_seen)?;
             }
             Action::MutatePlainly { item, amount } => self.gallery.mutate_by(item, amount, mutate_plainly)?,

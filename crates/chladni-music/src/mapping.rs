@@ -91,31 +91,20 @@ impl Mapping {
     }
 
     fn even_gain_on(&self, bands: usize) -> f32 {
-        let mut shared = vec![0u32; self.amplification.len()];
-        for k in self.targets(bands, self.amplification.len()) {
-            if let Some(count) = shared.get_mut(k as usize) {
-                *count += 1;
-            }
-        }
-        let heard = shared.iter().zip(&self.amplification).filter(|(_, a)| **a != 0.0);
-        let busiest = heard.map(|(n, _)| *n).max().unwrap_or(1).max(1);
-        (busiest as f32).powf(-0.75)
+        let answer = |k: u32| Some((k, *self.amplification.get(k as usize)?));
+        let driven = self.targets(bands, self.amplification.len()).into_iter().filter_map(answer);
+        busiest(driven).powf(EVENING)
     }
 
     /// The largest |a| of any driven harmonic, in [0, 1]: a mapping of loudness 0 is not moved by any sound.
     pub fn loudness(&self) -> f32 {
-        self.driven(|_| true)
+        self.loudness_from(0)
     }
 
-    /// The same of the harmonics behind harmonic `last`.
-    pub(crate) fn loudness_beyond(&self, last: u32) -> f32 {
-        self.driven(|k| k > last)
-    }
-
-    /// The largest |a| of the driven harmonics that `counts`.
-    fn driven(&self, counts: impl Fn(u32) -> bool) -> f32 {
+    /// The same of the harmonics from `first` on.
+    pub(crate) fn loudness_from(&self, first: u32) -> f32 {
         let driven = self.targets(self.transfer.len(), self.amplification.len()).into_iter();
-        let answers = driven.filter(|k| counts(*k)).filter_map(|k| self.amplification.get(k as usize));
+        let answers = driven.filter(|k| *k >= first).filter_map(|k| self.amplification.get(k as usize));
         answers.fold(0.0, |loudest, a| loudest.max(a.abs()))
     }
 
@@ -160,6 +149,18 @@ impl Mapping {
         let top = harmonics.saturating_sub(1) as f32;
         self.transfer_on(bands).into_iter().map(|t| (t.clamp(0.0, 1.0) * top).round() as u32).collect()
     }
+}
+
+/// The power of the even gain: see [`Mapping::even_gain`].
+pub(crate) const EVENING: f32 = -0.75;
+
+/// How many bands drive the harmonic that most of them drive, of those that answer; at least 1. Each band comes with its
+/// harmonic, and how strongly that answers.
+pub(crate) fn busiest(driven: impl IntoIterator<Item = (u32, f32)>) -> f32 {
+    let answers = driven.into_iter().filter(|(_, answer)| *answer != 0.0);
+    let mut heard: Vec<u32> = answers.map(|(k, _)| k).collect();
+    heard.sort_unstable();
+    heard.chunk_by(|a, b| a == b).map(<[u32]>::len).max().unwrap_or(1) as f32
 }
 
 /// Samples at cell centers, linear in between, constant beyond the outermost centers.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use chladni_synth::{Coefficients, Item, Term};
 
 use crate::dancer::Reach;
+use crate::mapping::{EVENING, busiest};
 use crate::probes::Limits;
 use crate::stereo::Ear;
 use crate::{Bands, Choir, Class, Dancer, Form, Mapping, MusicError, Playing};
@@ -293,21 +294,14 @@ fn awaken(driven: &mut [(u32, f32)], dancer: &Dancer, form: Form) -> f32 {
     if driven.iter().any(|(k, answer)| *answer != 0.0 && moves(*k, dancer, form)) {
         return 1.0;
     }
-    let before = busiest(driven);
+    let before = busiest(driven.iter().copied());
     let moving: Vec<u32> = (0..dancer.harmonics() as u32).filter(|k| moves(*k, dancer, form)).collect();
     for (k, _) in driven.iter_mut() {
         let above = moving.partition_point(|other| *other < *k);
         let around = [above.checked_sub(1), Some(above)].into_iter().flatten().filter_map(|i| moving.get(i));
         *k = around.copied().min_by_key(|other| other.abs_diff(*k)).unwrap_or(*k);
     }
-    (busiest(driven) / before).powf(-0.75)
-}
-
-/// How many bands drive the harmonic that most of them drive, of those that answer; at least 1.
-fn busiest(driven: &[(u32, f32)]) -> f32 {
-    let mut heard: Vec<u32> = driven.iter().filter(|(_, answer)| *answer != 0.0).map(|(k, _)| *k).collect();
-    heard.sort_unstable();
-    heard.chunk_by(|a, b| a == b).map(<[u32]>::len).max().unwrap_or(1) as f32
+    (busiest(driven.iter().copied()) / before).powf(EVENING)
 }
 
 /// M for each octave of harmonics: with it, a full-scale band that drives one of them at the mapping's

@@ -155,7 +155,8 @@ impl Moments {
         (self.shown_secs * self.fps - 1e-6).ceil().max(1.0) as u64
     }
 
-    /// Gives `take` the frame of each moment. All that is read before the first is heard, too: levels depend on it.
+    /// Gives `take` the frame of each moment. What is read before the first is heard in steps as well: it may take long, and
+    /// can be canceled.
     fn hear(
         &self,
         ear: &mut SongSpectrum,

@@ -6,7 +6,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::CTRL;
 use crate::driving;
-use crate::driving::person::{Desk, finer_lump};
+use crate::driving::person::{Desk, Person, finer_lump};
 
 #[test]
 fn caricatures_are_chosen_bred_and_taken_as_layers_in_one_step() {
@@ -76,7 +76,7 @@ fn a_gallery_that_is_closed_is_there_again_until_another_shape_is_opened() {
     person.wait("the children", |window| {
         !driving::shows(window, "Breeding") && !driving::shows(window, "Breed 1")
     });
-    let is_locked = |person: &driving::person::Person| {
+    let is_locked = |person: &Person| {
         let node = driving::control(&person.0, "lock/scales").accesskit_node().toggled();
         node == Some(egui::accesskit::Toggled::True)
     };
@@ -133,7 +133,7 @@ fn what_is_taken_is_seen_alone_and_one_step_back_all_is_as_it_was() {
         person.click(template);
     }
     desk.answers.add(desk.path("taken.chladni"));
-    let seen = |person: &mut driving::person::Person| -> Vec<bool> {
+    let seen = |person: &mut Person| -> Vec<bool> {
         person.press_with(CTRL, Key::S);
         let project = Project::load(&desk.path("taken.chladni")).unwrap();
         project.layers().iter().map(|(_, layer)| layer.enabled).collect()
@@ -152,4 +152,29 @@ fn what_is_taken_is_seen_alone_and_one_step_back_all_is_as_it_was() {
     person.press(Key::Escape);
     person.press_with(CTRL, Key::Z);
     assert_eq!(seen(&mut person), [true, true]);
+}
+
+#[test]
+fn the_brush_landmarks_and_the_gallery_end_each_other() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj", "template.obj"]);
+    person.wait_to_see("Covered");
+    let names = ["Painting", "Landmarks on the shape", "Surprise me"];
+    let tools = |person: &Person| names.map(|name| person.sees(name));
+    let (paints, picks, breeds) = ([true, false, false], [false, true, false], [false, false, true]);
+    for (key, only) in [(Key::L, picks), (Key::B, paints), (Key::L, picks), (Key::G, breeds)] {
+        person.press(key);
+        person.0.run_steps(2);
+        assert_eq!(tools(&person), only, "{key:?}");
+    }
+    // The gallery has keys of its own, but the panels have their buttons.
+    person.0.get_by_label("Paint").click_accesskit();
+    person.0.run_steps(3);
+    assert_eq!(tools(&person), paints);
+    person.press(Key::G);
+    person.0.run_steps(2);
+    assert_eq!(tools(&person), breeds);
+    person.press(Key::Escape);
+    person.0.run_steps(2);
+    assert_eq!(tools(&person), [false; 3], "the brush was put away");
 }

@@ -154,31 +154,6 @@ fn half_a_landmark_is_taken_back_before_the_pair_that_is_finished() {
 }
 
 #[test]
-fn the_brush_landmarks_and_the_gallery_end_each_other() {
-    let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj", "template.obj"]);
-    person.wait_to_see("Covered");
-    let names = ["Painting", "Landmarks on the shape", "Surprise me"];
-    let tools = |person: &Person| names.map(|name| person.sees(name));
-    let (paints, picks, breeds) = ([true, false, false], [false, true, false], [false, false, true]);
-    for (key, only) in [(Key::L, picks), (Key::B, paints), (Key::L, picks), (Key::G, breeds)] {
-        person.press(key);
-        person.0.run_steps(2);
-        assert_eq!(tools(&person), only, "{key:?}");
-    }
-    // The gallery has keys of its own, but the panels have their buttons.
-    person.0.get_by_label("Paint").click_accesskit();
-    person.0.run_steps(3);
-    assert_eq!(tools(&person), paints);
-    person.press(Key::G);
-    person.0.run_steps(2);
-    assert_eq!(tools(&person), breeds);
-    person.press(Key::Escape);
-    person.0.run_steps(2);
-    assert_eq!(tools(&person), [false; 3], "the brush was put away");
-}
-
-#[test]
 fn what_is_typed_moves_no_camera_of_the_landmarks() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj", "template.obj"]);

@@ -1,7 +1,9 @@
 //! Changes that arguments make to an instrument before it is heard: form, ringing, choir, and any knob or switch by
 //! name.
 
-use chladni_music::{Action, PAPER_MODE, Parameter, Parameters, Switch, Target, Timbre, preceding, setting};
+use chladni_music::{
+    Action, MAX_GENES, PAPER_MODE, Parameter, Parameters, Switch, Target, Timbre, preceding, setting,
+};
 
 use super::Dance;
 use crate::work::Error;
@@ -58,8 +60,9 @@ fn set(text: &str) -> Result<Action, String> {
         }
     }
     // Fewer than none would be all of them.
-    if name == "harmonics" && !value.parse::<f32>().is_ok_and(|number| (0.0..=16_384.0).contains(&number)) {
-        return Err("harmonics is a number from 0 (all) to 16384".into());
+    let is_count = |number: f32| (0.0..=MAX_GENES as f32).contains(&number);
+    if name == "harmonics" && !value.parse().is_ok_and(is_count) {
+        return Err(format!("harmonics is a number from 0 (all) to {MAX_GENES}"));
     }
     setting(name, value).ok_or_else(|| {
         // Whatever has a value takes 0.
