@@ -17,7 +17,7 @@ from ._errors import (
     NotCertifiedError,
     RanksError,
 )
-from .functional_maps import FM_to_p2p, p2p_to_FM, zoomout_refine
+from .functional_maps import FM_to_p2p, icp_refine, p2p_to_FM, zoomout_refine
 from .geodesics import MeshHeatMethodDistanceSolver, compute_distance, compute_distance_multisource
 from .shapes import Basis, Match, Symmetry, caricature, match, read_mesh, symmetry, write_mesh
 from .signatures import HKS, WKS, auto_HKS, auto_WKS
@@ -49,6 +49,7 @@ __all__ = [
     "compute_distance",
     "compute_distance_multisource",
     "eigsh",
+    "icp_refine",
     "match",
     "mesh_laplacian",
     "p2p_to_FM",

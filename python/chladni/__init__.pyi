@@ -33,6 +33,7 @@ __all__ = [
     "compute_distance",
     "compute_distance_multisource",
     "eigsh",
+    "icp_refine",
     "match",
     "mesh_laplacian",
     "p2p_to_FM",
@@ -190,6 +191,19 @@ def zoomout_refine(
     verbose: bool = False,
     *,
     progress: _Progress | None = None,
+) -> Any: ...
+def icp_refine(
+    FM_12: ArrayLike,
+    evects1: ArrayLike,
+    evects2: ArrayLike,
+    nit: SupportsIndex | None = 10,
+    tol: float = 1e-10,
+    use_adj: bool = False,
+    return_p2p: bool = False,
+    n_jobs: Any = None,
+    verbose: bool = False,
+    *,
+    A2: _Matrix | None = None,
 ) -> Any: ...
 def match(
     V1: ArrayLike,

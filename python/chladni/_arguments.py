@@ -7,9 +7,13 @@ import numpy as np
 
 from ._errors import InputError
 
+# As many numbers fit in no memory.
+MANY = 2**40
+
 
 def floats(values, name):
-    """``values`` as an array of real numbers."""
+    """``values`` as an array of real numbers, none of which is masked."""
+    refuse_masked(values, name)
     try:
         array = np.asarray(values)
         # Python's own numbers, such as fractions, are objects.
@@ -18,6 +22,12 @@ def floats(values, name):
     except (OverflowError, TypeError, ValueError) as error:
         raise InputError(f"{name} is no array of numbers: {error}") from None
     raise InputError(f"{name} holds {array.dtype}, where real numbers are needed")
+
+
+def refuse_masked(values, name):
+    """Refuses ``values`` some of which are masked: those beneath the mask are not meant."""
+    if np.ma.is_masked(values):
+        raise InputError(f"{name} has masked values")
 
 
 def finite(values, name):
@@ -40,14 +50,23 @@ def number(value, name):
 
 
 def count(value, name, least=1):
-    """``value`` as a whole number of at least ``least``."""
+    """``value`` as a whole number of at least ``least`` and less than fills any memory."""
     try:
         whole = operator.index(value)
     except TypeError:
         whole = least - 1
-    if whole < least:
-        raise InputError(f"{name} is {_shown(value)}, where a whole number of at least {least} is needed")
+    if not least <= whole < MANY:
+        bound = " and below 2**40" if whole >= MANY else ""
+        wanted = f"a whole number of at least {least}{bound}"
+        raise InputError(f"{name} is {_shown(value)}, where {wanted} is needed")
     return whole
+
+
+def flag(value, name):
+    """``value`` as True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{name} is {_shown(value)}, where True or False is needed")
+    return bool(value)
 
 
 def _shown(value):

@@ -1,10 +1,11 @@
-"""Functional maps to point maps and back, and ZoomOut, as pyFM has them."""
+"""Functional maps to point maps and back, ZoomOut and ICP, as pyFM has them."""
 
 import numpy as np
+import scipy.linalg
 import scipy.sparse
 
 from . import _chladni
-from ._arguments import floats
+from ._arguments import count, flag, floats
 from ._errors import InputError
 
 
@@ -45,6 +46,7 @@ def zoomout_refine(
     (k2 + nit·step, k1 + nit·step), and its point map on all rows if ``return_p2p``. ``n_jobs`` and ``verbose`` are taken
     for the sake of calls that have them; ``progress`` is called with (stage, done, total).
     """
+    return_p2p = flag(return_p2p, "return_p2p")
     steps = tuple(step) if np.iterable(step) else (step, step)
     if len(steps) != 2:
         raise InputError(f"step has {len(steps)} values, where one or two are needed")
@@ -55,6 +57,44 @@ def zoomout_refine(
         dual = None
     refined = _chladni.zoomout(FM_12, source, target, dual, nit, steps, progress)
     return (refined, FM_to_p2p(refined, evects1, evects2)) if return_p2p else refined
+
+
+def icp_refine(
+    FM_12,
+    evects1,
+    evects2,
+    nit=10,
+    tol=1e-10,
+    use_adj=False,
+    return_p2p=False,
+    n_jobs=None,
+    verbose=False,
+    *,
+    A2=None,
+):
+    """Refines a functional map (k2, k1) by ICP: ``nit`` times to a point map and back, to the nearest map whose singular
+    values are 1.
+
+    Without ``nit``, None or 0, it goes on until no value changes by more than ``tol``, or 10,000 times. Returns the map, and
+    its point map if ``return_p2p``. ``A2`` as in :func:`p2p_to_FM`; ``n_jobs`` and ``verbose`` are taken for the sake of
+    calls that have them.
+    """
+    return_p2p = flag(return_p2p, "return_p2p")
+    refined = floats(FM_12, "FM_12")
+    evects1, evects2 = floats(evects1, "evects1"), floats(evects2, "evects2")
+    if refined.ndim != 2 or evects1.ndim != 2 or evects2.ndim != 2:
+        raise InputError("FM_12, evects1 and evects2 are needed as tables of two dimensions")
+    rounds = count(nit, "nit") if nit else 10_000
+    k2, k1 = refined.shape
+    source, target = evects1[:, :k1], evects2[:, :k2]
+    dual = _dual(A2, target)
+    for _ in range(rounds):
+        p2p = FM_to_p2p(refined, evects1, evects2, use_adj)
+        left, _, right = scipy.linalg.svd(_chladni.p2p_to_fm(p2p, source, target, dual))
+        before, refined = refined, left @ np.eye(k2, k1) @ right
+        if not nit and np.abs(refined - before).max() <= tol:
+            break
+    return (refined, FM_to_p2p(refined, evects1, evects2, use_adj)) if return_p2p else refined
 
 
 def _sampled(subsample, evects1, evects2):

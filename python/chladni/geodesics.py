@@ -1,6 +1,7 @@
 """Distances along a surface by the heat method, as potpourri3d has them."""
 
 from . import _chladni
+from ._arguments import flag
 from ._errors import InputError
 
 
@@ -8,12 +9,12 @@ class MeshHeatMethodDistanceSolver:
     """Distances along a triangle mesh, prepared once for any number of sources.
 
     Works on the intrinsic Delaunay triangulation of any mesh with area, so that ``use_robust`` cannot be False. ``t_coef``
-    is the heat step in squared mean edge lengths. Vertices in one place are one. Vertices on pieces without a source
-    are infinitely far away. Cannot be pickled or copied.
+    is the heat step in squared mean edge lengths, at most a million times the area. Vertices in one place are one. Vertices
+    on pieces without a source are infinitely far away. Cannot be pickled or copied.
     """
 
     def __init__(self, V, F, t_coef=1.0, use_robust=True):
-        if not use_robust:
+        if not flag(use_robust, "use_robust"):
             raise InputError("use_robust=False is not offered: the intrinsic Delaunay triangulation is always used")
         self._solver = _chladni.HeatGeodesics(V, F, t_coef)
 
@@ -25,7 +26,8 @@ class MeshHeatMethodDistanceSolver:
         return self._solver.distances(v_ind)
 
     def compute_distance_multisource(self, v_inds):
-        """(n,) distances from the nearest of the vertices ``v_inds``, each of which may itself have a part of an edge."""
+        """(n,) distances from the nearest of the vertices ``v_inds``. One with only such vertices around it has 0, each of
+        several others may have up to a few edges."""
         return self._solver.distances(v_inds)
 
 

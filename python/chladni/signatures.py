@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ._arguments import count, finite, number
+from ._arguments import count, finite, flag, number, refuse_masked
 from ._errors import InputError
 
 
@@ -77,7 +77,7 @@ def _waves(evals, evects, energies, sigma, landmarks, scaled):
 
 
 def _summed(weights, evects, landmarks, scaled):
-    if scaled:
+    if flag(scaled, "scaled"):
         weights = weights / weights.sum(axis=1, keepdims=True)
     if landmarks is None:
         return np.square(evects) @ weights.T
@@ -87,6 +87,7 @@ def _summed(weights, evects, landmarks, scaled):
 
 def _vertices(landmarks, n):
     """One or several ``landmarks`` as vertices below n."""
+    refuse_masked(landmarks, "landmarks")
     try:
         vertices = np.atleast_1d(landmarks)
     except ValueError as error:

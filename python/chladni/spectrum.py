@@ -5,7 +5,7 @@ import scipy.sparse
 import scipy.sparse.linalg
 
 from . import _chladni
-from ._arguments import number
+from ._arguments import flag, floats, number
 from ._errors import InputError, NotCertifiedError
 
 # The number of pairs whose residuals are measured at once.
@@ -22,7 +22,7 @@ def mesh_laplacian(verts, faces, mollify_factor=1e-5):
     faces : (m, 3) array_like of int
         Triangles: any, also of surfaces with borders, without orientation, or not manifold.
     mollify_factor : float
-        The share of the mean edge length by which every triangle is kept from being flat.
+        The share of the mean edge length, 0 to 1, by which every triangle is kept from being flat.
 
     Returns
     -------
@@ -30,7 +30,8 @@ def mesh_laplacian(verts, faces, mollify_factor=1e-5):
         Positive semidefinite, nothing off the diagonal above zero, rows that sum to zero.
     M : (n, n) scipy.sparse.csc_matrix
         The mixed Voronoi areas on the diagonal (robust_laplacian has a third of the triangles' areas). A vertex that no
-        triangle uses, or only a piece without area, has 1 in S and a thousandth of the least area in M, as in robust_laplacian.
+        triangle uses has 1 in S and a thousandth of the least area in M, as in robust_laplacian; so has one that only a
+        piece without area uses, which robust_laplacian gives an area.
     """
     return _matrices(*_chladni.mesh_laplacian(verts, faces, mollify_factor))
 
@@ -100,9 +101,9 @@ def eigsh(
     M : (n, n) sparse or dense matrix, optional
         Symmetric and positive definite, diagonal or not; the identity where it is left out.
     sigma, which, mode
-        What asks for the smallest: ``sigma`` at or below 0 with ``which`` "LM" or "LA"; a sigma so little above 0 that the
-        k nearest are the k smallest, or any with k = n, with "LM"; or "SM" or "SA" without a sigma. Anything else is
-        refused. Where sigma lies does not matter: the solver chooses its own shifts.
+        What asks for the smallest: ``sigma`` at or below 0 with ``which`` "LM" or "LA"; with "LM" a sigma of at most the
+        mean of the first and last of the k eigenvalues, or any with k = n; or "SM" or "SA" without a sigma. Anything else
+        is refused. Where sigma lies does not matter: the solver chooses its own shifts.
     tol : float
         0 for any, else the relative residual to be content with: ‖A x − λ M x‖ / ‖A x‖ of each pair with λ above 0. It is
         never the reason to stop; pairs that exceed it are refused.
@@ -136,6 +137,8 @@ def eigsh(
     if not smallest:
         raise InputError(f"which={which!r}{asked} asks for other pairs than the smallest: {hint}")
     tol = number(tol, "tol")
+    return_eigenvectors = flag(return_eigenvectors, "return_eigenvectors")
+    return_certificate = flag(return_certificate, "return_certificate")
     a, m = _columns(A, "A"), None if M is None else _columns(M, "M")
     w, v, certificate = _chladni.eigsh(a, m, k, threads, progress)
     if sigma is not None and len(w) < a[0] and not _are_nearest(w, sigma):
@@ -179,8 +182,8 @@ def _columns(matrix, name):
     """(n, starts, rows, values) of compressed columns; values in any order."""
     if isinstance(matrix, scipy.sparse.linalg.LinearOperator):
         raise InputError(f"{name} is a LinearOperator, which can only be applied: its entries are needed to factor it")
+    given = matrix if scipy.sparse.issparse(matrix) else floats(matrix, name)
     try:
-        given = matrix if scipy.sparse.issparse(matrix) else np.asarray(matrix)
         columns = scipy.sparse.csc_matrix(given) if given.ndim == 2 else None
     except (TypeError, ValueError) as error:
         raise InputError(f"{name} is no matrix: {error}") from None

@@ -13,6 +13,15 @@ use crate::failure::{Failure, InputError};
 
 type Any<'a, 'py> = &'a Bound<'py, PyAny>;
 
+/// Refuses an array some of whose values are masked: those beneath the mask are not meant.
+fn refuse_masked(object: Any, name: &str) -> PyResult<()> {
+    let masked = object.py().import("numpy")?.getattr("ma")?.call_method1("is_masked", (object,))?;
+    if masked.is_truthy()? {
+        return Err(InputError::new_err(format!("{name} has masked values")));
+    }
+    Ok(())
+}
+
 /// `object` as a contiguous array of `dtype`, if its own type is one of `kinds` (numpy's letters).
 fn as_array<'py>(
     object: Any<'_, 'py>,
@@ -21,12 +30,19 @@ fn as_array<'py>(
     order: &str,
     kinds: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
+    refuse_masked(object, name)?;
     let numpy = object.py().import("numpy")?;
-    let array = numpy
+    let mut array = numpy
         .call_method1("asarray", (object,))
         .map_err(|error| InputError::new_err(format!("{name} is no array: {}", error.value(object.py()))))?;
-    let own = array.getattr("dtype")?;
-    let kind: String = own.getattr("kind")?.extract()?;
+    let mut own = array.getattr("dtype")?;
+    let mut kind: String = own.getattr("kind")?.extract()?;
+    // Python's own numbers, such as fractions, are objects.
+    if kind == "O" && kinds.contains('f') {
+        array = object.py().import("chladni._arguments")?.call_method1("floats", (&array, name))?;
+        own = array.getattr("dtype")?;
+        kind = own.getattr("kind")?.extract()?;
+    }
     // An empty list is an array of floats.
     if !kinds.contains(&kind) && array.getattr("size")?.extract::<usize>()? > 0 {
         let wanted = if kinds.contains('f') { "real numbers" } else { "whole numbers" };
@@ -136,6 +152,7 @@ pub fn points(object: Any, name: &str) -> PyResult<Vec<[f64; 3]>> {
 
 /// Whole numbers ≥ 0 with their shape.
 fn indices(object: Any, name: &str, below: usize, of: &str) -> PyResult<(Vec<usize>, Vec<usize>)> {
+    refuse_masked(object, name)?;
     // Numbers of 64 bits without a sign may be larger than any with one.
     if let Ok(array) = object.extract::<PyReadonlyArrayDyn<'_, u64>>() {
         let values: Vec<u64> = array.as_array().iter().copied().collect();
@@ -186,7 +203,7 @@ pub fn mesh(vertices: Any, faces: Any, names: [&str; 2]) -> PyResult<TriMesh> {
     Ok(TriMesh { positions, triangles, ..TriMesh::default() })
 }
 
-/// A whole number ≥ `least`.
+/// A whole number ≥ `least` and < 2⁶³.
 pub fn count(object: Any, name: &str, least: usize) -> PyResult<usize> {
     let number = object.extract::<i64>().ok().and_then(|number| usize::try_from(number).ok());
     match number.filter(|number| *number >= least) {
@@ -194,7 +211,7 @@ pub fn count(object: Any, name: &str, least: usize) -> PyResult<usize> {
         None => {
             let given = shown(object);
             Err(InputError::new_err(format!(
-                "{name} is {given}, where a whole number of at least {least} is needed"
+                "{name} is {given}, where a whole number of at least {least} and below 2**63 is needed"
             )))
         }
     }

@@ -153,6 +153,8 @@ def test_pyfm_has_its_own_signatures_maps_and_zoomout(pebble, monkeypatch):
     ours, our_p2p = chladni.zoomout_refine(*arguments, **options)
     assert (p2p == order).all() and (our_p2p == order).all()
     assert np.allclose(fm, ours, atol=1e-9)
+    some = (fm[:20, :30], *arguments[1:])
+    assert np.allclose(chladni.icp_refine(*some, nit=3), pyFM.refine.icp_refine(*some, nit=3), atol=1e-9)
     assert np.allclose(chladni.p2p_to_FM(p2p, *arguments[1:]), pyFM.spectral.p2p_to_FM(p2p, *arguments[1:]), atol=1e-9)
 
 

@@ -20,6 +20,10 @@ def test_distances_on_a_sphere_and_in_a_plane(sphere, square):
     assert found[5] == 0 and np.abs(found - exact).max() < 7 * 0.05
     both = solver.compute_distance_multisource([5, 70])
     assert np.abs(both - np.minimum(exact, 7 * np.arccos(np.clip(V @ V[70], -1, 1)))).max() < 7 * 0.08
+    # A patch is 0, whatever the number of its sources.
+    cap = np.flatnonzero(V[:, 2] > 0.5)
+    exact = 7 * np.arccos(np.clip((V @ V[cap].T).max(axis=1), -1, 1))
+    assert np.abs(solver.compute_distance_multisource(cap) - exact).max() < 7 * 0.05
     V, F = square
     exact = np.linalg.norm(V - V[0], axis=1)
     assert np.abs(chladni.compute_distance(V, F, 0) - exact).max() < 0.04
@@ -27,7 +31,7 @@ def test_distances_on_a_sphere_and_in_a_plane(sphere, square):
     for bad in (-1, len(V), 2.5, "0", [], [[0]]):
         with pytest.raises(chladni.InputError):
             chladni.compute_distance_multisource(V, F, bad)
-    for arguments in ((0,), (-1,), (np.nan,), (1, False)):
+    for arguments in ((0,), (-1,), (np.nan,), (1e14,), (1, False), (1, "no")):
         with pytest.raises(chladni.InputError):
             chladni.MeshHeatMethodDistanceSolver(V, F, *arguments)
 

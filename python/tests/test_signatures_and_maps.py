@@ -77,6 +77,42 @@ def test_only_real_numbers_are_numbers(basis):
             chladni.p2p_to_FM(np.arange(len(h)), h, h, areas)
 
 
+def test_flags_and_counts_are_what_they_seem(basis):
+    w, h = basis.eigenvalues, basis.eigenvectors
+    for bad in ([3, 7], "no", np.array([3, 7]), 1):
+        for call in (
+            lambda bad=bad: chladni.HKS(w, h, [0.1], bad),
+            lambda bad=bad: chladni.auto_WKS(w, h, 3, scaled=bad),
+            lambda bad=bad: chladni.zoomout_refine(np.eye(4), h, h, return_p2p=bad),
+            lambda bad=bad: chladni.icp_refine(np.eye(4), h, h, return_p2p=bad),
+        ):
+            with pytest.raises(chladni.InputError, match="where True or False is needed"):
+                call()
+    assert (chladni.HKS(w, h, [0.1], np.True_) == chladni.HKS(w, h, [0.1], True)).all()
+    for many in (10**30, 10**400):
+        for signature in (chladni.auto_HKS, chladni.auto_WKS):
+            with pytest.raises(chladni.InputError, match="num_. is .* where a whole number"):
+                signature(w, h, many)
+
+
+def test_masked_values_are_not_used(basis):
+    w, h = basis.eigenvalues, basis.eigenvectors
+    masked = np.ma.array(h, mask=h > h.max() / 2)
+    for call in (
+        lambda: chladni.HKS(w, masked, [0.1]),
+        lambda: chladni.auto_HKS(w, h, 3, np.ma.array([1, 2], mask=[False, True])),
+        lambda: chladni.FM_to_p2p(np.eye(4), masked, h),
+    ):
+        with pytest.raises(chladni.InputError, match="has masked values"):
+            call()
+    assert (chladni.HKS(w, np.ma.array(h), [0.1]) == chladni.HKS(w, h, [0.1])).all()
+
+
+def test_numbers_of_python_are_eigenvectors():
+    rows = np.array([[Fraction(1), Fraction(0)], [Fraction(0), Fraction(1)]])
+    assert (chladni.FM_to_p2p(np.eye(2), rows, rows[::-1]) == [1, 0]).all()
+
+
 def test_the_order_of_the_pairs_does_not_matter(basis):
     w, h = basis.eigenvalues, basis.eigenvectors
     order = np.random.default_rng(3).permutation(len(w))
@@ -115,6 +151,12 @@ def test_a_shape_with_other_rows_is_mapped_to_itself(basis):
         assert (chladni.FM_to_p2p(fm, h, other, adjoint) == order).all()
     refined, p2p = chladni.zoomout_refine(np.eye(4), h, other, nit=12, step=3, A2=other_mass, return_p2p=True)
     assert refined.shape == (40, 40) and (p2p == order).all()
+    rough = np.eye(40) + 0.05 * np.random.default_rng(3).standard_normal((40, 40))
+    for options in (dict(nit=6), dict(nit=6, A2=other_mass, use_adj=True), dict(nit=None)):
+        found, p2p = chladni.icp_refine(rough, h, other, return_p2p=True, **options)
+        assert np.abs(found - np.eye(40)).max() < 1e-6 and (p2p == order).all()
+    narrow = chladni.icp_refine(rough[:12, :20], h, other, nit=2, A2=other_mass)
+    assert narrow.shape == (12, 20) and np.abs(narrow @ narrow.T - np.eye(12)).max() < 1e-12
     wide = chladni.zoomout_refine(np.eye(4), h, other, nit=3, step=(1, 2))
     assert wide.shape == (10, 7)
     rows = np.arange(0, len(h), 2)
@@ -161,6 +203,9 @@ def test_what_does_not_fit_is_refused(basis):
         lambda: chladni.zoomout_refine(np.eye(30), h, h, nit=11),
         lambda: chladni.zoomout_refine(np.eye(30), h, h, nit=2, step=(1, 2, 3)),
         lambda: chladni.zoomout_refine(np.eye(30), h, h, nit=-1),
+        lambda: chladni.icp_refine(np.eye(30), h, h, nit=-1),
+        lambda: chladni.icp_refine(np.eye(30), h, h, nit=2.5),
+        lambda: chladni.icp_refine(np.ones(3), h, h),
         lambda: chladni.zoomout_refine(np.eye(30), h, h, nit=10**18, step=10**18),
     ]
     for i, bad in enumerate(refused):

@@ -2,6 +2,7 @@
 
 import math
 import tracemalloc
+from fractions import Fraction
 
 import chladni
 import numpy as np
@@ -97,6 +98,9 @@ def test_what_is_not_asked_of_this_solver_is_refused(ball, elements):
         (dict(sigma=0, k=0), "at least 1"),
         (dict(sigma=0, k=10**12), "only 642 eigenvalues"),
         (dict(sigma=0, k=2.5), "whole number"),
+        (dict(sigma=0, k=2**63), r"below 2\*\*63"),
+        (dict(sigma=0, return_eigenvectors="no"), "True or False"),
+        (dict(sigma=0, return_certificate=2), "True or False"),
         (dict(sigma=0, M=M[:5, :5]), "rows"),
         (dict(sigma=0, M=-M), "not positive"),
         (dict(sigma=0, M=M - 0.9 * M.diagonal().min() * identity), "not positive definite"),
@@ -189,6 +193,26 @@ def test_matrices_unlike_those_of_surfaces():
     assert (w == 0).all() and v.shape == (5000, 7) and np.abs(many @ v).max() < 1e-9
     # All of the eigenvalues, wherever sigma lies.
     assert len(chladni.eigsh(np.diag([1.0, 2.0, 3.0]), 3, sigma=2.1)[0]) == 3
+
+
+def test_dense_matrices_may_hold_any_real_numbers():
+    A = np.array([[2, -1], [-1, 2]])
+    fractions = np.array([[Fraction(a) for a in row] for row in A.tolist()])
+    for given in (A.astype("f2"), A.astype(">i4"), A.astype(">f8"), fractions):
+        assert chladni.eigsh(given, 1, sigma=0)[0] == pytest.approx(1)
+        assert chladni.eigsh(np.eye(2), 1, given, sigma=0)[0] == pytest.approx(1 / 3)
+
+
+def test_masked_entries_are_not_used(ball):
+    V, F = ball
+    for bad in (
+        lambda: chladni.eigsh(np.ma.array(np.eye(3), mask=np.eye(3) > 0), 1, sigma=0),
+        lambda: chladni.mesh_laplacian(np.ma.array(V, mask=V > 0.9), F),
+        lambda: chladni.mesh_laplacian(V, np.ma.array(F, mask=F == 7)),
+        lambda: chladni.mesh_laplacian(V, np.ma.array(F, mask=F == 7, dtype="u8")),
+    ):
+        with pytest.raises(chladni.InputError, match="has masked values"):
+            bad()
 
 
 def test_points_without_triangles_have_a_laplacian(sphere):

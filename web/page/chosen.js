@@ -64,9 +64,12 @@ export function listen(caricature) {
   on("solo", () => room.set({ solo: !layer.solo }));
   on("duplicate", () => room.act({ duplicate: layer.id }));
   of("mu-value").addEventListener("change", () => {
-    const mu = Number(of("mu-value").value);
-    if (of("mu-value").value !== "" && Number.isFinite(mu)) return room.set({ mu: Math.min(100, Math.max(-100, mu)) });
-    return room.changed();
+    const typed = Number(of("mu-value").value);
+    const isNumber = of("mu-value").value !== "" && Number.isFinite(typed);
+    const mu = isNumber ? Math.min(100, Math.max(-100, typed)) : layer.mu;
+    // It keeps the focus, and is not drawn anew until it loses that.
+    of("mu-value").value = mu.toFixed(2);
+    return isNumber ? room.set({ mu }) : room.changed();
   });
   on("furthest", goFurthest);
   of("template-text").addEventListener("change", attempt(() => { room.sitting().set_template(layer.id, of("template-text").value); return room.changed(); }));

@@ -124,7 +124,10 @@ async function meshesBesideProjects(files) {
 /** Songs in the order of the lists that came with them, those of no list behind them; and what the lists name besides. */
 async function inOrderOf(lists, songs) {
   const names = [];
-  for (const list of lists) names.push(...songs_in_list(new Uint8Array(await list.arrayBuffer())).map(base));
+  // VLC writes names as in addresses.
+  const plain = (name) => { try { return base(decodeURIComponent(name)); } catch { return name; } };
+  const meant = (name) => (songs.some((song) => song.name === name) ? name : plain(name));
+  for (const list of lists) names.push(...songs_in_list(new Uint8Array(await list.arrayBuffer())).map(base).map(meant));
   const place = ({ name }) => (names.includes(name) ? names.indexOf(name) : names.length);
   return { inOrder: songs.toSorted((a, b) => place(a) - place(b)), missing: names.filter((name) => !songs.some((song) => song.name === name)) };
 }

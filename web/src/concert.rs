@@ -316,14 +316,15 @@ impl Concert {
 
     fn draw(&mut self, shot: Shot, width: u32, height: u32) -> Result<(), Error> {
         let Shot { at_secs, reaction, framing, mood, count } = shot;
-        let look = self.look().answering(&mood);
+        let on_stage = self.look();
+        let look = on_stage.answering(&mood);
         let stage = &mut self.stage;
         let Figures { topology, small, wardrobe, buffers, renderer, screen } = &mut stage.figures;
         screen.fit(width, height)?;
         let from = (&self.viewpoint, framing.as_ref());
         let area = Rect::of_size(width, height);
         let staged = self.staging.set(area, count, from, &look, reaction, &self.instrument);
-        let grains = self.sand.drawn();
+        let grains = self.sand.drawn(&on_stage);
         let topology = small.as_ref().filter(|_| count > 1).unwrap_or(topology);
         let figure = |item| Figure {
             grains: grains.get(item).copied(),

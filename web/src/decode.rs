@@ -6,6 +6,8 @@ use wasm_bindgen::prelude::*;
 
 /// Bytes of samples that a page takes: 12 minutes at 44.1 kHz.
 const MOST_BYTES: usize = 256 << 20;
+/// Browsers need not play sound of fewer frames per second.
+const LEAST_RATE_HZ: u32 = 8_000;
 
 /// A song in memory, and where its beats are.
 #[wasm_bindgen]
@@ -65,6 +67,13 @@ pub fn decode(name: &str, bytes: Option<Vec<u8>>) -> Result<DecodedSong, JsError
             let mut reader = SongReader::from_bytes(name, bytes)?;
             let options = SongOptions { max_bytes: MOST_BYTES, ..SongOptions::default() };
             let song = Song::read(&mut reader, &options, &task).map_err(in_words_of_the_page)?;
+            if song.rate_hz < LEAST_RATE_HZ {
+                let rate_hz = song.rate_hz;
+                let why = format!(
+                    "{name}: browsers play no sound of {rate_hz} Hz; the program for the desktop does"
+                );
+                return Err(JsError::new(&why));
+            }
             (song, reader.damage().map(|damage| damage.to_string()))
         }
         None => (sample_tune(), None),

@@ -52,6 +52,12 @@ impl Crossings {
     /// # Errors
     /// [`Cancelled`] through `task`.
     pub fn triangles(&self, positions: &[Vec3], task: &Task) -> Result<Vec<u32>, Cancelled> {
+        // Of a shape that is a point but for rounding, each triangle would be compared with each other one.
+        const POINT: f64 = 1e-9;
+        let diagonal = |of: &[Vec3]| Bounds::of(of.iter().copied()).diagonal();
+        if diagonal(positions) <= POINT * diagonal(&self.surface.positions) {
+            return Ok(Vec::new());
+        }
         let mut tree = self.tree.clone();
         tree.fit(|t| bounds(&self.surface, t, positions));
         // A mark per triangle: on a crumpled surface a list of pairs could fill the memory.
@@ -170,6 +176,17 @@ mod tests {
         let both = points.iter().copied().chain(second).collect();
         let shifted = triangles.iter().map(|t| t.map(|v| v + n));
         (both, triangles.iter().copied().chain(shifted).collect())
+    }
+
+    #[test]
+    fn nothing_crosses_in_a_shape_that_is_a_point_but_for_rounding() {
+        let (points, triangles) = two_spheres(1.2);
+        let frame = chladni_mesh::Frame { center: [0.0; 3], scale: 1.0 };
+        let surface = Arc::new(Surface::of(points.clone(), triangles, frame));
+        let crossings = Crossings::of(surface);
+        let near = |by: f64| -> Vec<Vec3> { points.iter().map(|p| add([0.3; 3], scaled(*p, by))).collect() };
+        let count = |by: f64| crossings.triangles(&near(by), &Task::new()).unwrap().len();
+        assert!(count(1e-5) > 40 && count(1e-12) == 0);
     }
 
     #[test]

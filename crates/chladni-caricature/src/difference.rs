@@ -377,7 +377,12 @@ pub(crate) fn check_low_pass(k0: usize, basis: &Basis) -> Result<(), CaricatureE
         let range = "above 0: remove loose pieces, or ask for more harmonics";
         return Err(CaricatureError::Range { what, value: 0.0, range });
     }
-    if (1..=basis.harmonics()).contains(&k0) {
+    check_kept(k0, basis.harmonics())
+}
+
+/// A low-pass keeps between 1 and all of a shape's `harmonics`.
+pub(crate) fn check_kept(k0: usize, harmonics: usize) -> Result<(), CaricatureError> {
+    if (1..=harmonics).contains(&k0) {
         return Ok(());
     }
     let (what, range) = ("the number of harmonics that a low-pass keeps", "between 1 and those of the shape");

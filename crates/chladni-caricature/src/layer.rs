@@ -7,6 +7,7 @@ use chladni_mesh::samples::portrait_sliders;
 use chladni_mesh::{Known, ShapeSource};
 use serde::{Deserialize, Serialize};
 
+use crate::difference::check_kept;
 use crate::{CaricatureError, Model, Painted, Region, RollOff, ScaleCurve, Smoothing, usual_wavelength};
 use chladni_mesh::surface::vec3::Vec3;
 
@@ -153,6 +154,17 @@ impl Template {
             _ => self == next,
         };
         self.is_mesh() && !has_same_vertices
+    }
+
+    /// Checks that a low-pass keeps no more than the `harmonics` that there are.
+    ///
+    /// # Errors
+    /// [`CaricatureError::Range`] where it does.
+    pub fn check_low_pass(&self, harmonics: usize) -> Result<(), CaricatureError> {
+        match self {
+            Self::LowPass(k0) => check_kept(*k0, harmonics),
+            _ => Ok(()),
+        }
     }
 
     /// Its file; `None` where it has none.

@@ -86,9 +86,11 @@ pub enum HarmonicsError {
         reason: String,
     },
     /// A heat step of a length that cannot be computed.
-    #[error("no heat step of length {time} can be taken on this surface")]
+    #[error(
+        "no heat step of length {time} can be taken on this surface: it is not above 0, or too long for it"
+    )]
     HeatStep {
-        /// Its length, in squared units of the working frame.
+        /// Its length, as it was asked for.
         time: f64,
     },
     /// A vertex is so far from all sources that no heat reaches it; its distance cannot be measured.

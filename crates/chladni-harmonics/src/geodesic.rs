@@ -8,7 +8,7 @@ use chladni_mesh::surface::components;
 
 use crate::heat::{HeatFlow, HeatStep};
 use crate::laplacian::{Cover, MOLLIFY, cover_laplacian, delaunay_cover};
-use crate::operator::Domain;
+use crate::operator::{Domain, refuse_zero_area};
 use crate::{HarmonicsError, laplacian};
 
 /// The heat at a source. With it, heat stays above 0 over a path of 1,200 edges; with 1 it would over 700.
@@ -16,6 +16,9 @@ const SOURCE: f64 = 1e250;
 /// The step with which Poisson's equation is solved, as a multiple of the surface's area: (M + tS)⁻¹ t
 /// equals S⁻¹ up to a constant, to within 1 / (tλ) for the harmonic with eigenvalue λ.
 const FOREVER: f64 = 1e10;
+/// The longest step of heat, as a multiple of the surface's area. After it heat is level to within a millionth, and after
+/// much longer ones its gradient is lost in rounding.
+const LONGEST: f64 = 1e6;
 /// Heat that differs by less than this share of itself between the corners of a triangle differs by rounding alone.
 const LEVEL: f64 = 1e-12;
 
@@ -41,23 +44,26 @@ impl HeatGeodesics {
     /// 1 is usual; a longer step gives smoother distances and reaches farther.
     ///
     /// # Errors
-    /// No usable triangle, coordinates that are not finite, an index out of range, or a `time` that is not positive,
-    /// infinite, or too large to compute with.
+    /// No usable triangle, coordinates that are not finite, an index out of range, a mesh without area, or a `time` that
+    /// is not positive, infinite, or too large to compute with: a step of more than a million times the surface's area.
     pub fn of(mesh: &TriMesh, time: f64) -> Result<Self, HarmonicsError> {
         let Domain { frame, positions, triangles, operator_vertex, .. } = Domain::of(mesh)?;
+        let component = components(positions.len(), &triangles);
+        refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
         let cover = delaunay_cover(&positions, &triangles, MOLLIFY)?;
         let (stiffness, mass) = cover_laplacian(&cover, positions.len());
+        let area = mass.iter().sum::<f64>();
         let edge = cover.length.iter().sum::<f64>() / cover.length.len().max(1) as f64;
         let flow = Arc::new(HeatFlow::on(&stiffness, &mass));
         let short = time * edge * edge;
-        if !(time.is_finite() && short > 0.0) {
+        if !(time.is_finite() && short > 0.0 && short <= LONGEST * area) {
             return Err(HarmonicsError::HeatStep { time });
         }
         Ok(Self {
             cover,
             step: flow.step(short)?,
-            forever: flow.step(FOREVER * mass.iter().sum::<f64>())?,
-            component: components(positions.len(), &triangles),
+            forever: flow.step(FOREVER * area)?,
+            component,
             operator_vertex,
             scale: frame.scale,
         })
@@ -70,7 +76,8 @@ impl HeatGeodesics {
 
     /// The distance of each of the n file vertices from the nearest of `sources`, n values in file units.
     /// It is infinite for vertices on other components and for those that no triangle uses, or only a piece without
-    /// area. A source that is alone on its component has 0; of several, each may have up to a part of an edge.
+    /// area. A source that is alone on its component, or has sources only around it, has 0; of several others, each may
+    /// have up to a few edges.
     ///
     /// # Errors
     /// No source, a source that is not a vertex of the surface, or a surface with paths so long that no
@@ -83,15 +90,19 @@ impl HeatGeodesics {
             return Err(HarmonicsError::NoSource);
         }
         let n = self.component.len();
-        let mut reached = vec![false; n];
-        let mut hot = vec![0.0; n];
+        let (mut reached, mut is_source) = (vec![false; n], vec![false; n]);
         for v in &sources {
             reached[self.component[*v] as usize] = true;
-            hot[*v] = SOURCE;
+            is_source[*v] = true;
         }
         let is_reached = |v: usize| reached[self.component[v] as usize];
+        // Of a patch of sources, the border alone is hot: those within are far from it, and would draw the mean along.
+        let is_border = self.border(&is_source);
+        let mut hot = vec![0.0; n];
+        sources.retain(|v| is_border[*v]);
+        sources.iter().for_each(|v| hot[*v] = SOURCE);
         let heat = self.step.solve_for(&hot);
-        if let Some(v) = (0..n).find(|&v| is_reached(v) && heat[v] < f64::MIN_POSITIVE) {
+        if let Some(v) = (0..n).find(|&v| is_reached(v) && !is_source[v] && heat[v] < f64::MIN_POSITIVE) {
             let vertex = self.operator_vertex.iter().position(|o| *o == Some(v as u32)).unwrap_or_default();
             return Err(HarmonicsError::TooFar { vertex });
         }
@@ -108,11 +119,24 @@ impl HeatGeodesics {
         let distance = |v: usize| {
             let component = self.component[v] as usize;
             match is_reached(v) {
+                true if is_source[v] && !is_border[v] => 0.0,
                 true => (factor * (potential[v] - sum[component] / count[component])).max(0.0),
                 false => f64::INFINITY,
             }
         };
         Ok(self.operator_vertex.iter().map(|v| v.map_or(f64::INFINITY, |v| distance(v as usize))).collect())
+    }
+
+    /// Whether each vertex is a source in a triangle with a corner that is none.
+    fn border(&self, is_source: &[bool]) -> Vec<bool> {
+        let mut is_border = vec![false; is_source.len()];
+        for corners in self.cover.tail.as_chunks::<3>().0 {
+            let corners = corners.map(|v| v as usize);
+            if corners.iter().any(|v| !is_source[*v]) {
+                corners.iter().for_each(|v| is_border[*v] |= is_source[*v]);
+            }
+        }
+        is_border
     }
 
     fn on_surface(&self, vertex: usize) -> Result<usize, HarmonicsError> {
@@ -201,16 +225,40 @@ mod tests {
         }
     }
 
+    /// The exact distances from the nearest of `sources` on the unit sphere.
+    fn great_circles(sphere: &TriMesh, sources: &[usize]) -> Vec<f64> {
+        let nearest = |p: &[f64; 3]| {
+            let to = |v: &usize| p.iter().zip(sphere.positions[*v]).map(|(a, b)| a * b).sum::<f64>();
+            sources.iter().map(to).fold(-1.0_f64, f64::max).min(1.0).acos()
+        };
+        sphere.positions.iter().map(nearest).collect()
+    }
+
+    #[test]
+    fn distances_from_a_patch_of_sources_begin_at_its_border() {
+        let sphere = samples::icosphere(3);
+        let edge = (16.0 * std::f64::consts::PI / (3.0_f64.sqrt() * sphere.triangles.len() as f64)).sqrt();
+        let geodesics = HeatGeodesics::of(&sphere, 1.0).unwrap();
+        let n = sphere.positions.len();
+        let sources: Vec<usize> = (0..n).filter(|v| sphere.positions[*v][2] > 0.5).collect();
+        let found = geodesics.distances(&sources).unwrap();
+        for (v, (found, exact)) in found.iter().zip(great_circles(&sphere, &sources)).enumerate() {
+            assert!((found - exact).abs() < 0.5 * edge, "{v}: {found} {exact}");
+        }
+        let pole = (0..n).max_by(|a, b| sphere.positions[*a][2].total_cmp(&sphere.positions[*b][2])).unwrap();
+        assert_eq!(found[pole], 0.0);
+        // Without a vertex that is none, there is no border.
+        let all: Vec<usize> = (0..n).collect();
+        assert!(geodesics.distances(&all).unwrap().iter().all(|d| *d == 0.0));
+    }
+
     #[test]
     fn many_sources_leave_no_bias() {
         let sphere = samples::icosphere(3);
         let geodesics = HeatGeodesics::of(&sphere, 1.0).unwrap();
         let sources: Vec<usize> = (0..30).map(|i| 21 * i).collect();
         let found = geodesics.distances(&sources).unwrap();
-        let exact = sphere.positions.iter().map(|p| {
-            let to = |v: &usize| p.iter().zip(sphere.positions[*v]).map(|(a, b)| a * b).sum::<f64>();
-            sources.iter().map(to).fold(-1.0_f64, f64::max).min(1.0).acos()
-        });
+        let exact = great_circles(&sphere, &sources);
         let error = found.iter().zip(exact).map(|(found, exact)| (found - exact).abs()).sum::<f64>();
         assert!(error < 0.06 * found.len() as f64, "{}", error / found.len() as f64);
         // One that is given twice counts once.
@@ -256,9 +304,21 @@ mod tests {
         for bad in [&[][..], &[2 * n], &[2 * n + 1]] {
             assert!(geodesics.distances(bad).is_err(), "{bad:?}");
         }
-        for time in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for time in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e12] {
             assert!(HeatGeodesics::of(&two, time).is_err(), "{time}");
         }
+        let long = HeatGeodesics::of(&two, 1e6).unwrap().distances(&[3]).unwrap();
+        assert!(long[..n].iter().all(|d| (0.0..3.4).contains(d)) && long[..n].iter().any(|d| *d > 2.9));
+    }
+
+    #[test]
+    fn a_mesh_without_area_is_refused() {
+        let line = TriMesh {
+            positions: (0..4).map(|i| [f64::from(i), 0.0, 0.0]).collect(),
+            triangles: vec![[0, 1, 2], [1, 2, 3]],
+            ..TriMesh::default()
+        };
+        assert!(matches!(HeatGeodesics::of(&line, 1.0), Err(HarmonicsError::ZeroArea { .. })));
     }
 
     #[test]

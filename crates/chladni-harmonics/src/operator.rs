@@ -77,8 +77,9 @@ impl Domain {
 }
 
 /// S and the diagonal of M of `mesh` as it is, in its own units: the intrinsic Delaunay Laplacian on its n
-/// vertices, which are not welded. A vertex that no triangle uses, or only those of a component without area, has 1 in S
-/// and a thousandth of the least area in M, as in robust_laplacian: its eigenvalue is above all that matter.
+/// vertices, which are not welded. A vertex that no triangle uses has 1 in S and a thousandth of the least area in M, as in
+/// robust_laplacian, and so has one that only a component without area uses, which robust_laplacian gives an area: its
+/// eigenvalue is above all that matter.
 ///
 /// Lengths are mollified: in every triangle the sum of two sides exceeds the third by at least `mollify` ≥
 /// 0 mean edge lengths (Sharp & Crane 2020, §4.5); 1e-5 is usual.
@@ -119,7 +120,7 @@ pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, 
     Ok((stiffness, mass))
 }
 
-/// Gives each vertex without area a 1 in S and a thousandth of the least area in M, as robust_laplacian does: the pencil
+/// Gives each vertex without area a 1 in S and a thousandth of the least area in M: the pencil
 /// can then be solved, and it makes no difference to other vertices. Such a vertex is in no triangle, or only in those of
 /// parts without area and those whose three corners lie in one place.
 fn fill_unused(stiffness: &mut SymmetricSparse, mass: &mut [f64]) {
@@ -299,7 +300,7 @@ fn refused(refusal: Refusal, operator_vertex: &[Option<u32>]) -> HarmonicsError 
 }
 
 /// Returns an error if no component has an area. One that only rounding has flattened is no reason to refuse the others.
-fn refuse_zero_area(
+pub(crate) fn refuse_zero_area(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
     component: &[u32],

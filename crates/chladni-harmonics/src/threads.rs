@@ -21,10 +21,16 @@ pub(crate) fn on_threads<T: Send>(
         return Ok(work());
     }
     // Not in the shared pool: drawing uses it and must not wait for a solve.
-    match pool_of(threads.unwrap_or(0)) {
+    match pool_of(threads.unwrap_or_else(|| usual(std::env::var("RAYON_NUM_THREADS").ok().as_deref()))) {
         Some(pool) => Ok(pool.install(work)),
         None => on_calling_thread(work),
     }
+}
+
+/// 0, for as many as the variable `RAYON_NUM_THREADS` or the machine says; the most, where the variable asks for more.
+fn usual(variable: Option<&str>) -> usize {
+    let asked = variable.and_then(|number| number.parse::<usize>().ok());
+    if asked.is_some_and(|asked| asked > MOST_THREADS) { MOST_THREADS } else { 0 }
 }
 
 /// A pool of this many threads, 0 for all of the machine, or of half of those that the system gives.
@@ -55,6 +61,11 @@ fn on_calling_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, Harm
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_variable_does_not_ask_for_more_threads_than_there_may_be() {
+        assert_eq!([None, Some("two"), Some("2"), Some("2000")].map(usual), [0, 0, 0, MOST_THREADS]);
+    }
 
     #[test]
     fn without_threads_the_calling_one_does_all_of_the_work() {

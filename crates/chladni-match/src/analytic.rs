@@ -19,9 +19,10 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// The ellipsoid nearest to a surface. Its axes are the principal axes of the area; its center and
-    /// semi-axes minimize Σ a(v) (1 − ‖(x − c)/s‖)² by Gauss–Newton, starting from the moments. For a mesh
-    /// of an ellipsoid the result is that ellipsoid, up to the discretization.
+    /// The ellipsoid nearest to a surface. Its axes are the principal axes of the area; its center, within the shape's box,
+    /// and its semi-axes, at most the diagonal, minimize Σ a(v) ‖x − q(x)‖², where q(x) is the point of the ellipsoid on the
+    /// ray from the center through x; found from the moments. For a mesh of an ellipsoid the result is that ellipsoid, up
+    /// to the discretization.
     ///
     /// # Errors
     /// A mesh without a surface.
@@ -119,51 +120,46 @@ impl Ellipsoid {
     }
 }
 
-/// Gauss–Newton for center and semi-axes in the principal frame. A step that does not lower the sum is
-/// halved; if none does, the present values are kept.
+/// Levenberg–Marquardt for center and semi-axes in the principal frame. The center stays in the shape's box, and no
+/// semi-axis is longer than its diagonal: a plane is nearer to some shapes than any ellipsoid of their size.
 fn refine(points: &[(DVec3, f64)], start: [f64; 3]) -> (DVec3, [f64; 3]) {
+    const SEMI_AXES: [f64; 2] = [1e-3, 1.0];
+    let low = points.iter().fold(DVec3::INFINITY, |low, (p, _)| low.min(*p));
+    let high = points.iter().fold(DVec3::NEG_INFINITY, |high, (p, _)| high.max(*p));
     let cost = |c: DVec3, s: [f64; 3]| -> f64 {
-        points.iter().map(|(p, w)| w * (1.0 - ((*p - c) / DVec3::from_array(s)).length()).powi(2)).sum()
+        points.iter().map(|(p, w)| w * Ray::of(*p - c, s).map_or(0.0, |ray| ray.residual()).powi(2)).sum()
     };
-    let (mut center, mut semi) = (DVec3::ZERO, start);
-    let mut best = cost(center, semi);
-    for _ in 0..30 {
+    let (mut center, mut semi) = (DVec3::ZERO.clamp(low, high), start.map(|s| s.min(SEMI_AXES[1])));
+    let (mut best, mut damping) = (cost(center, semi), 1e-3);
+    for _ in 0..60 {
         let mut normal = [[0.0; 6]; 6];
         let mut right = [0.0; 6];
         for (p, w) in points {
-            let d = *p - center;
-            let u = d / DVec3::from_array(semi);
-            let radius = u.length();
-            if !(radius > 1e-9) {
-                continue;
-            }
-            // ∂‖u‖/∂c_i = −u_i / (s_i ‖u‖), ∂‖u‖/∂ log s_i = −u_i² / ‖u‖.
-            let row: [f64; 6] = std::array::from_fn(|i| {
-                let k = i % 3;
-                if i < 3 { -u[k] / (semi[k] * radius) } else { -u[k] * u[k] / radius }
-            });
+            let Some(ray) = Ray::of(*p - center, semi) else { continue };
+            let row = ray.gradient(semi);
             for i in 0..6 {
-                right[i] += w * row[i] * (1.0 - radius);
+                right[i] -= w * row[i] * ray.residual();
                 for j in 0..6 {
                     normal[i][j] += w * row[i] * row[j];
                 }
             }
         }
-        for i in 0..6 {
-            normal[i][i] += 1e-9;
-        }
-        let Some(step) = solve_small(normal, right) else { break };
-        let mut length = 1.0;
         let improved = (0..8).find_map(|_| {
-            let c = center + DVec3::new(step[0], step[1], step[2]) * length;
+            let mut damped = normal;
+            for i in 0..6 {
+                damped[i][i] += damping * (normal[i][i] + 1e-12);
+            }
+            damping *= 5.0;
+            let step = solve_small(damped, right)?;
+            let c = (center + DVec3::new(step[0], step[1], step[2])).clamp(low, high);
             let s = std::array::from_fn(|i| {
-                (semi[i] * (step[3 + i] * length).clamp(-1.0, 1.0).exp()).clamp(1e-3, 10.0)
+                (semi[i] * step[3 + i].clamp(-1.0, 1.0).exp()).clamp(SEMI_AXES[0], SEMI_AXES[1])
             });
-            length *= 0.5;
             let value = cost(c, s);
             (value < best).then_some((c, s, value))
         });
         let Some((c, s, value)) = improved else { break };
+        damping = (0.04 * damping).max(1e-9);
         let gain = best - value;
         (center, semi, best) = (c, s, value);
         if gain < 1e-14 {
@@ -171,6 +167,43 @@ fn refine(points: &[(DVec3, f64)], start: [f64; 3]) -> (DVec3, [f64; 3]) {
         }
     }
     (center, semi)
+}
+
+/// The ray from an ellipsoid's center through a point at `d` from it.
+struct Ray {
+    d: DVec3,
+    /// The same with the ellipsoid scaled to the unit sphere, and its length.
+    u: DVec3,
+    level: f64,
+}
+
+impl Ray {
+    /// `None` of a point so near the center that its ray says little.
+    fn of(d: DVec3, semi: [f64; 3]) -> Option<Self> {
+        let u = d / DVec3::from_array(semi);
+        let level = u.length();
+        (level > 1e-3).then_some(Self { d, u, level })
+    }
+
+    /// How far the point is outside the ellipsoid, along the ray: ‖d‖ (1 − 1/‖u‖).
+    fn residual(&self) -> f64 {
+        self.d.length() * (1.0 - 1.0 / self.level)
+    }
+
+    /// Its derivatives by the center and by the logarithms of the semi-axes.
+    fn gradient(&self, semi: [f64; 3]) -> [f64; 6] {
+        let Self { d, u, level } = self;
+        let length = d.length();
+        let by_level = length / level.powi(3);
+        std::array::from_fn(|i| {
+            let k = i % 3;
+            if i < 3 {
+                -d[k] / length * (1.0 - 1.0 / level) - by_level * u[k] / semi[k]
+            } else {
+                -by_level * u[k] * u[k]
+            }
+        })
+    }
 }
 
 /// Pairs each vertex with the point of the ellipsoid on its ray from the center.
@@ -262,6 +295,45 @@ mod tests {
         let c = onto_ellipsoid(&mesh, &e).unwrap();
         for (p, q) in mesh.positions.iter().zip(&c.target) {
             assert!(DVec3::from_array(*p).distance(DVec3::from_array(*q)) < 0.01);
+        }
+    }
+
+    #[test]
+    fn the_nearest_ellipsoid_of_any_shape_has_its_size_and_place() {
+        // A bowl with a long handle, a dented ball and two balls apart: flatter and farther would be nearer by the sum of
+        // (1 − ‖u‖)², which vanishes far away.
+        let bowl = sphere(|p| DVec3::new(p.x, p.y, p.z.min(-0.2) + 3.0 * (p.x - 0.9).max(0.0)));
+        let dented = sphere(|p| p * (1.0 - 0.9 * (-8.0 * (p - DVec3::Z).length_squared()).exp()));
+        let apart = sphere(|p| p * 0.3 + DVec3::X * p.z.signum());
+        for mesh in [bowl, dented, apart] {
+            let surface = UnitSurface::new(&mesh, Side::Shape).unwrap();
+            let e = Ellipsoid::fitted(&mesh).unwrap();
+            assert!(e.semi_axes.iter().all(|s| *s <= surface.diagonal * (1.0 + 1e-12)), "{e:?}");
+            let points = mesh.positions.iter().map(|p| DVec3::from_array(*p));
+            let low = points.clone().fold(DVec3::INFINITY, DVec3::min);
+            let high = points.fold(DVec3::NEG_INFINITY, DVec3::max);
+            // The box along its own axes may be a little larger than that along x, y and z.
+            let middle = DVec3::from_array(e.center) - 0.5 * (low + high);
+            assert!(middle.length() < 0.6 * surface.diagonal, "{e:?}");
+        }
+    }
+
+    #[test]
+    fn a_gradient_is_that_of_the_residual() {
+        let (d, semi) = (DVec3::new(0.3, -0.2, 0.5), [0.4, 0.2, 0.7]);
+        let found = Ray::of(d, semi).unwrap().gradient(semi);
+        for i in 0..6 {
+            let moved = |by: f64| {
+                let (mut d, mut s) = (d, semi);
+                if i < 3 {
+                    d[i] -= by
+                } else {
+                    s[i - 3] *= by.exp()
+                }
+                Ray::of(d, s).unwrap().residual()
+            };
+            let slope = (moved(1e-6) - moved(-1e-6)) / 2e-6;
+            assert!((found[i] - slope).abs() < 1e-8, "{i}: {} and {slope}", found[i]);
         }
     }
 

@@ -34,7 +34,8 @@ pub fn load_landmarks(path: &Path) -> Result<Vec<Landmark>, MatchError> {
     read_landmarks(&text).map_err(|error| in_file(error.to_string()))
 }
 
-/// Reads landmarks from text: one `shape_vertex template_vertex` per line; `#` starts a comment.
+/// Reads landmarks from text: one `shape_vertex template_vertex` per line, with blanks, a comma or a semicolon between them;
+/// `#` starts a comment.
 ///
 /// # Errors
 /// A line that does not hold two vertex numbers, or that repeats a shape vertex; the error states the line.
@@ -43,7 +44,8 @@ pub fn read_landmarks(text: &str) -> Result<Vec<Landmark>, MatchError> {
     for (index, line) in text.lines().enumerate() {
         let line_number = index + 1;
         let content = line.split('#').next().unwrap_or_default();
-        let words: Vec<&str> = content.split_whitespace().collect();
+        let is_gap = |c: char| c.is_whitespace() || [',', ';'].contains(&c);
+        let words: Vec<&str> = content.split(is_gap).filter(|word| !word.is_empty()).collect();
         let problem = |problem: String| MatchError::LandmarkFile { line: line_number, problem };
         match words[..] {
             [] => {}
@@ -144,6 +146,7 @@ mod tests {
         assert_eq!(read_landmarks(&write_landmarks(&landmarks)).unwrap(), landmarks);
         let text = "# nose\n  177\t1633  # tip\n\n0 9\r\n";
         assert_eq!(read_landmarks(text).unwrap(), landmarks);
+        assert_eq!(read_landmarks("177, 1633\n0;9\n").unwrap(), landmarks, "as tables have them");
     }
 
     #[test]

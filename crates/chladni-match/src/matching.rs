@@ -104,6 +104,11 @@ pub fn match_shapes(
         }
     };
     let mut report = MatchReport::of(&s, Some(&t), &correspondence, pose.as_ref(), residual);
+    // Without bending, points crowd wherever two shapes differ; what the other methods stretch, they are meant to.
+    if settings.method == Method::Fit {
+        let squeezed = report.squeezed();
+        report.warnings.extend(squeezed);
+    }
     report.warnings.extend(turned_faces(&s, Side::Shape));
     report.warnings.extend(turned_faces(&t, Side::Template));
     report.warnings.extend(warnings);

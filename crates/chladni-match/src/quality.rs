@@ -57,6 +57,9 @@ const TIE: f64 = 0.1;
 const PERFECT: f64 = 0.003;
 /// σ_max/σ_min above which a triangle is strongly stretched.
 const STRONG: f64 = 5.0;
+/// The share of strongly stretched triangles above which the template is taken to lack something. Of heads on heads at
+/// most 3.1 % are, of busts on heads, whose chest is squeezed onto the neck, more than 6 %.
+const SQUEEZED: f64 = 0.05;
 
 impl MatchReport {
     /// The report on a correspondence that was made without a template mesh.
@@ -119,6 +122,20 @@ impl MatchReport {
         };
         report.warn();
         report
+    }
+
+    /// The warning where bending squeezed a part of the shape that the template does not have.
+    pub(crate) fn squeezed(&self) -> Option<String> {
+        // Of few triangles a single one would be a large share.
+        const ENOUGH: usize = 1000;
+        let Self { strongly_stretched, triangles, .. } = self;
+        let many = *strongly_stretched as f64 > SQUEEZED * *triangles as f64;
+        (many && *triangles >= ENOUGH).then(|| {
+            format!(
+                "{strongly_stretched} of {triangles} triangles are stretched more than fivefold on the template: it may \
+                 lack a part of the shape, such as a bust"
+            )
+        })
     }
 
     fn warn(&mut self) {
@@ -212,4 +229,20 @@ pub(crate) fn stretch([a, b, c]: [DVec3; 3], [x, y, z]: [DVec3; 3]) -> f64 {
     let spread = (0.25 * (p - r).powi(2) + q * q).sqrt();
     let ratio = ((mean + spread) / (mean - spread).max(0.0)).sqrt();
     if ratio.is_finite() { ratio.min(1e6) } else { 1e6 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_template_that_lacks_a_part_is_warned_of() {
+        let of = |strongly_stretched, triangles| {
+            MatchReport { strongly_stretched, triangles, ..MatchReport::default() }.squeezed()
+        };
+        // A bust on the template, which ends at the neck; then two heads on it.
+        let warning = of(1482, 16_719).unwrap();
+        assert!(warning.starts_with("1482 of 16719 triangles are stretched"), "{warning}");
+        assert_eq!([of(6, 100_224), of(189, 10_540), of(1, 12), of(0, 0)], [None, None, None, None]);
+    }
 }

@@ -36,6 +36,19 @@ impl MirrorPlane {
     pub fn image(&self, p: [f64; 3]) -> [f64; 3] {
         sub(p, scaled(self.normal, 2.0 * (dot(self.normal, p) - self.offset)))
     }
+
+    /// The mirror image of `other`; its misfit is not known.
+    fn image_of(&self, other: &Self) -> Self {
+        let through_origin = Self { offset: 0.0, ..*self };
+        let normal = signed(through_origin.image(other.normal));
+        let point = self.image(scaled(other.normal, other.offset));
+        Self { normal, offset: dot(normal, point), misfit: 1.0 }
+    }
+
+    /// Whether the two are no more than about 8° apart.
+    fn is_near(&self, other: &Self) -> bool {
+        dot(self.normal, other.normal).abs() > 0.99
+    }
 }
 
 /// A point of a surface: corners of a triangle and their weights.
@@ -51,8 +64,12 @@ const FINAL_JUDGES: usize = 6000;
 /// Directions over the half sphere that are tried besides those that the shape suggests. Every normal is
 /// within 13° of one of them, near enough for refinement.
 const DIRECTIONS: usize = 64;
-/// Candidates that are refined.
-const FINALISTS: usize = 6;
+/// Candidates that are refined, none near another: exact copies of one plane would leave no place for the others.
+const FINALISTS: usize = 12;
+/// The most planes after their images in one another have been added: a body of revolution has any number.
+const MOST_PLANES: usize = 32;
+/// Planes whose misfits are below this fit equally well: refinement ends before those of a shape with flat faces are 0.
+const EQUALLY_WELL: f64 = 1e-3;
 /// Around a vertex of more triangles the nearest is searched for in a tree.
 const FEW_TRIANGLES: usize = 64;
 
@@ -105,7 +122,7 @@ impl<'a> MirrorSearch<'a> {
         let few = self.judges(JUDGES);
         let centroid = self.centroid();
         let plane = |normal: Vec3| -> Result<MirrorPlane, Cancelled> {
-            let normal = scaled(unit(normal), largest_component(normal).signum());
+            let normal = signed(unit(normal));
             let plane = MirrorPlane { normal, offset: dot(normal, centroid), misfit: 1.0 };
             Ok(MirrorPlane { misfit: self.misfit(&plane, &few, task)?, ..plane })
         };
@@ -117,15 +134,60 @@ impl<'a> MirrorSearch<'a> {
             normals.into_par_iter().map(plane).collect::<Result<_, Cancelled>>()?;
         candidates.retain(|plane| !self.lies_in(plane, &few));
         candidates.sort_by(|a, b| preference(a).total_cmp(&preference(b)));
-        let mut best: Option<MirrorPlane> = None;
-        for plane in candidates.into_iter().take(FINALISTS) {
-            let refined = self.refine(plane, &few, task)?;
-            let is_better = best.is_none_or(|b| preference(&refined) < preference(&b));
-            if is_better && !self.lies_in(&refined, &few) {
-                best = Some(refined);
+        let mut finalists: Vec<MirrorPlane> = Vec::new();
+        for plane in candidates {
+            if finalists.len() < FINALISTS && !finalists.iter().any(|known| known.is_near(&plane)) {
+                finalists.push(plane);
             }
         }
+        let mut planes: Vec<MirrorPlane> = Vec::new();
+        for plane in finalists {
+            planes.extend(self.refined(plane, &few, task)?);
+        }
+        self.add_images(&mut planes, &few, task)?;
+        let preferred = planes.iter().min_by(|a, b| preference(a).total_cmp(&preference(b))).copied();
+        // Several candidates may have become it, one more exactly than the others.
+        let copies = planes.iter().filter(|plane| preferred.is_some_and(|known| known.is_near(plane)));
+        let best = copies.min_by(|a, b| a.misfit.total_cmp(&b.misfit)).copied();
         best.map(|best| self.refine(best, &self.judges(FINAL_JUDGES), task)).transpose()
+    }
+
+    /// Adds the images of those that fit best in one another: the image of a shape's mirror plane in another one is a
+    /// third, so that a few give all that a cube has.
+    fn add_images(
+        &self,
+        planes: &mut Vec<MirrorPlane>,
+        judges: &[usize],
+        task: &Task,
+    ) -> Result<(), Cancelled> {
+        let mut next = 0;
+        while let Some(plane) = planes.get(next).copied() {
+            let least = planes.iter().map(|plane| plane.misfit).fold(f64::INFINITY, f64::min);
+            let enough = EQUALLY_WELL.max(2.0 * least);
+            let is_good = |plane: &MirrorPlane| plane.fits() && plane.misfit <= enough;
+            let others = planes.iter().take(next).filter(|other| is_good(&plane) && is_good(other));
+            let images: Vec<MirrorPlane> =
+                others.flat_map(|other| [plane.image_of(other), other.image_of(&plane)]).collect();
+            for image in images {
+                let is_known = planes.iter().any(|known| is_good(known) && known.is_near(&image));
+                if !is_known && planes.len() < MOST_PLANES {
+                    planes.extend(self.refined(image, judges, task)?);
+                }
+            }
+            next += 1;
+        }
+        Ok(())
+    }
+
+    /// `plane` refined, unless the shape lies in what it becomes.
+    fn refined(
+        &self,
+        plane: MirrorPlane,
+        judges: &[usize],
+        task: &Task,
+    ) -> Result<Option<MirrorPlane>, Cancelled> {
+        let refined = self.refine(plane, judges, task)?;
+        Ok(Some(refined).filter(|refined| !self.lies_in(refined, judges)))
     }
 
     /// Where `plane` takes each vertex: the nearest point of the surface.
@@ -253,7 +315,7 @@ impl<'a> MirrorSearch<'a> {
                 }
             }
             let [.., normal] = symmetric_eigen(b).1;
-            let normal = scaled(normal, largest_component(normal).signum());
+            let normal = signed(normal);
             let middle = scaled(add(center_p, center_q), 0.5);
             let mut next = MirrorPlane { normal, offset: dot(normal, middle), misfit: 0.0 };
             let closer = self.matches(&next, vertices, task)?;
@@ -283,13 +345,15 @@ fn fan(positions: &[Vec3], triangles: &[[u32; 3]], vertex: usize, row: &[u32]) -
     BoxTree::new(&centers, |item| boxes[item as usize])
 }
 
-fn largest_component(v: Vec3) -> f64 {
-    v.into_iter().fold(0.0, |m: f64, c| if c.abs() > m.abs() { c } else { m })
+/// `normal` or its opposite, so that its largest component is positive.
+fn signed(normal: Vec3) -> Vec3 {
+    let largest = normal.into_iter().fold(0.0, |m: f64, c| if c.abs() > m.abs() { c } else { m });
+    scaled(normal, largest.signum())
 }
 
 /// Smaller is better.
 fn preference(plane: &MirrorPlane) -> f64 {
-    (plane.misfit + 0.002) * (1.5 - 0.5 * plane.normal[0].abs())
+    (plane.misfit.max(EQUALLY_WELL) + 0.002) * (1.5 - 0.5 * plane.normal[0].abs())
 }
 
 /// Directions spread evenly over the half sphere x ≥ 0, along a Fibonacci spiral.
@@ -399,6 +463,55 @@ mod tests {
                 let found = search.best(&[], &Task::new()).unwrap().unwrap();
                 assert_eq!(found.fits(), is_symmetric, "{found:?}");
                 assert!(found.normal[axis].abs() < 0.01 || !is_symmetric, "{found:?}");
+            }
+        }
+    }
+
+    /// A box of `sides` about the origin, each face in 4 × 4 cells.
+    fn boxed(sides: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for (axis, end) in (0..3).flat_map(|axis| [-0.5, 0.5].map(|end| (axis, end))) {
+            let first = positions.len() as u32;
+            for (i, j) in (0..5_u32).flat_map(|i| (0..5_u32).map(move |j| (i, j))) {
+                let mut p = [end; 3];
+                p[(axis + 1) % 3] = f64::from(i) / 4.0 - 0.5;
+                p[(axis + 2) % 3] = f64::from(j) / 4.0 - 0.5;
+                positions.push(std::array::from_fn(|k| sides[k] * p[k]));
+                if i < 4 && j < 4 {
+                    let v = first + 5 * i + j;
+                    triangles.extend([[v, v + 5, v + 1], [v + 1, v + 5, v + 6]]);
+                }
+            }
+        }
+        (positions, triangles)
+    }
+
+    #[test]
+    fn of_planes_that_fit_as_well_it_is_the_one_nearest_x_however_the_shape_is_turned() {
+        let s = std::f64::consts::FRAC_1_SQRT_2;
+        let prism = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [s, 0.0, s], [s, 0.0, -s]];
+        let others = [[s, s, 0.0], [s, -s, 0.0], [0.0, s, s], [0.0, s, -s]];
+        let cube = [&prism[..], &others].concat();
+        let task = Task::new();
+        for (sides, normals) in [([1.0, 0.5, 1.0], &prism[..]), ([1.0; 3], &cube[..])] {
+            let (straight, triangles) = boxed(sides);
+            for turn in half_sphere().step_by(16) {
+                // A turn about x, and a half turn that takes x to `turn`.
+                let axis = unit(add(turn, [1.0, 0.0, 0.0]));
+                let (sin, cos) = (7.0 * turn[0]).sin_cos();
+                let turned = |[x, y, z]: Vec3| {
+                    let p = [x, cos * y - sin * z, sin * y + cos * z];
+                    sub(scaled(axis, 2.0 * dot(axis, p)), p)
+                };
+                let positions: Vec<Vec3> = straight.iter().map(|p| turned(*p)).collect();
+                let search = MirrorSearch::of(&positions, &triangles).unwrap();
+                let nearest = normals.iter().map(|n| turned(*n)[0].abs()).fold(0.0, f64::max);
+                // Hints that are copies of a single plane's normal, as pairs of vertices give them.
+                for hints in [vec![], vec![turned([0.0, 0.0, 1.0]); 20]] {
+                    let found = search.best(&hints, &task).unwrap().unwrap();
+                    assert!(found.misfit < 1e-3, "{found:?}");
+                    assert!(found.normal[0].abs() > nearest - 0.02, "{found:?} for {nearest}");
+                }
             }
         }
     }

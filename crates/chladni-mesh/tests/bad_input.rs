@@ -134,8 +134,16 @@ fn what_windows_writes_for_no_number_is_one() {
     let obj = "v 1 0 0\nv 0 0 -1.#IND\nv 0 1 0\nf 1 2 3\n";
     let said = message(obj.as_bytes(), Format::Obj);
     assert!(said.contains("line 2") && said.contains("NaN"), "{said}");
-    let commented = "v 1 0 0\nv 0 0 1.# a comment\nv 0 1 0\nf 1 2 3\n";
-    assert_eq!(read_mesh(commented.as_bytes(), Format::Obj).unwrap().mesh.positions[1][2], 1.0);
+    for comment in ["# a comment", "#Rim", "#"] {
+        let commented = format!("v 1 0 0\nv 0 0 1.{comment}\nv 0 1 0\nf 1 2 3\n");
+        assert_eq!(read_mesh(commented.as_bytes(), Format::Obj).unwrap().mesh.positions[1][2], 1.0);
+    }
+    // Written with fewer digits, the names are rounded.
+    for word in ["1.#J", "1.#IO", "1.#R", "1.#QO", "1.#QNB", "-1.#IO", "1.#SNB"] {
+        let obj = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nvt {word} 0\nvt 1 {word}\nf 1/1 2/2 3/3\n");
+        let loaded = read_mesh(obj.as_bytes(), Format::Obj).unwrap();
+        assert_eq!(loaded.mended, [chladni_mesh::Mended::Uvs(2)], "{word}");
+    }
     assert!(message(facet("0 0 nan(", "0").as_bytes(), Format::Stl).contains("'nan('"));
 }
 

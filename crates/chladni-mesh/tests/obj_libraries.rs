@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::Path;
 
-use chladni_mesh::{Appearance, Format, Material, Texture, TriMesh, load_mesh, read_mesh, save_mesh};
+use chladni_mesh::{Appearance, Format, Material, Mended, Texture, TriMesh, load_mesh, read_mesh, save_mesh};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl wood\nf 1 2 3\n";
 const PICTURE: &[u8] = b"\x89PNG\r\n\x1a\nnot really";
@@ -226,6 +226,21 @@ fn a_channel_slightly_above_one_is_no_byte() {
     }
     let bytes = colors("v 0 0 0 255 0 0\nv 1 0 0 0 0 0\nv 0 1 0 1 1 1\nf 1 2 3\n".into(), Format::Obj);
     assert!(bytes[0][0] == 1.0 && bytes[2][0] < 0.01);
+}
+
+#[test]
+fn colors_that_zbrush_keeps_in_comments_are_those_of_the_vertices() {
+    let text = "# File\nv 0 0 0\nv 1 0 0\nv 0 1 0\n#MRGB ffFF0000ff00ff00\n#MRGB ff0000ff\nf 1 2 3\n";
+    let found = read_mesh(text.as_bytes(), Format::Obj).unwrap();
+    let colors = found.mesh.appearance.colors.unwrap();
+    assert_eq!(colors, [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]]);
+    // Those of another number of vertices are no colors, and said to be left out.
+    let fewer = text.replace("#MRGB ff0000ff\n", "");
+    let found = read_mesh(fewer.as_bytes(), Format::Obj).unwrap();
+    assert!(found.mesh.appearance.colors.is_none());
+    let is_said =
+        |mended: &Mended| matches!(mended, Mended::LeftOut(what) if what.contains("painted colors"));
+    assert!(found.mended.iter().any(is_said), "{:?}", found.mended);
 }
 
 #[test]

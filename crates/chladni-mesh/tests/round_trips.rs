@@ -187,6 +187,23 @@ fn concave_faces_have_their_area_and_texture_coordinates_in_every_format() {
 }
 
 #[test]
+fn a_corner_without_a_texture_coordinate_takes_none_from_the_others_of_its_face() {
+    let places = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 .25\nvt 1 0\nvt .5 .75\n";
+    let obj = format!("{places}f 1/3 2/1 3/2 4\nf 4 3 2\n");
+    let mesh = read_mesh(obj.as_bytes(), Format::Obj).unwrap().mesh;
+    let loaded = read_mesh(&write_mesh(&mesh, Format::Ply).unwrap(), Format::Ply).unwrap();
+    assert_eq!(loaded.mended, []);
+    let of_corners = |mesh: &TriMesh| {
+        let uvs = mesh.appearance.uvs.clone().unwrap();
+        let point = |uv: &u32| uvs.points.get(*uv as usize).copied();
+        uvs.corners.iter().map(point).collect::<Vec<Option<[f64; 2]>>>()
+    };
+    let expected = [Some([0.5, 0.75]), Some([0.0, 0.25]), Some([1.0, 0.0]), None, None, None, None];
+    assert_eq!(of_corners(&mesh), expected);
+    assert_eq!(of_corners(&loaded.mesh), expected);
+}
+
+#[test]
 fn an_obj_brings_its_library_and_pictures_along() {
     let folder = tempfile::tempdir().unwrap();
     let mesh = dressed();
@@ -268,6 +285,29 @@ fn a_texture_coordinate_beyond_32_bits_is_no_glb() {
     mesh.appearance.uvs = Some(CornerUvs { points: vec![[0.0, 1e39]], corners });
     let refused = write_glb(&mesh, &[]).unwrap_err().to_string();
     assert!(refused.contains("texture coordinate"), "{refused}");
+}
+
+#[test]
+fn a_shape_too_small_for_32_bits_is_refused_where_there_are_no_more() {
+    let sized = |size: f64| {
+        let mut mesh = samples::icosphere(1);
+        mesh.positions.as_flattened_mut().iter_mut().for_each(|x| *x *= size);
+        mesh
+    };
+    for format in [Format::Stl, Format::Glb] {
+        for size in [1e-35, 1e-200] {
+            let refused = write_mesh(&sized(size), format).unwrap_err().to_string();
+            assert!(refused.contains("too small for 32 bits"), "{refused}");
+        }
+        // One in a single place has no form to lose.
+        assert!(write_mesh(&sized(0.0), format).is_ok());
+        let back = round_trip(&sized(1e-29), format);
+        let least = back.positions.as_flattened().iter().fold(0.0, |least: f64, x| least.min(*x));
+        assert!((least + 1e-29).abs() < 1e-31, "{least}");
+    }
+    for format in [Format::Obj, Format::Ply] {
+        assert_eq!(round_trip(&sized(1e-35), format).positions, sized(1e-35).positions);
+    }
 }
 
 #[test]
@@ -421,6 +461,33 @@ fn materials_stay_apart_in_obj_whatever_they_are_called() {
         let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(apart < 1e-5, "triangle {i}: {found:?} for {expected:?}");
     }
+}
+
+#[test]
+fn number_signs_in_names_of_materials_survive_an_obj_with_its_library() {
+    let names = ["Material #1", "Material", "Material #2", "#1", "a#b", "Material # 1", "#"];
+    let mut mesh = dressed();
+    mesh.triangles.extend([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]);
+    let color = |i: usize| [0.125 * i as f32, 1.0, 0.0, 1.0];
+    let material = |(i, name): (usize, &&str)| Material { base_color: color(i), ..Material::named(name) };
+    // A face without a material comes last: its library has one more.
+    let face_materials = (0..names.len() as u32).map(Some).chain([None]).collect();
+    let materials = names.iter().enumerate().map(material).collect();
+    mesh.appearance = Appearance { materials, face_materials, ..Appearance::default() };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.obj");
+    save_mesh(&mesh, &path).unwrap();
+    let loaded = load_mesh(&path).unwrap();
+    assert_eq!(loaded.mended, []);
+    let found = loaded.mesh.appearance.materials;
+    let found_names: Vec<&str> = found.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(found_names, [&names[..], &["none"]].concat());
+    for (i, material) in found[..names.len()].iter().enumerate() {
+        assert!((material.base_color[0] - color(i)[0]).abs() < 1e-5, "{material:?}");
+    }
+    // Without a library they would begin comments, and the materials be one.
+    let materials = round_trip(&mesh, Format::Obj).appearance.materials;
+    assert_eq!(materials.len(), names.len() + 1);
 }
 
 /// Each material's primitive names all vertices; together they are more than a file may have.

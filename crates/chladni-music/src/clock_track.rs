@@ -26,6 +26,10 @@ pub struct ClockMark {
     /// Bars begin where the count is this and a multiple of four.
     #[serde(default)]
     pub bar: f64,
+    /// A bar begins with this mark whose count is up to a bar before, as after a start just behind a beat: the count does
+    /// not go back.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub begins: bool,
 }
 
 /// A bar of the clock.
@@ -74,19 +78,27 @@ impl ClockTrack {
         self.marks.iter().all(is_sound) && self.marks.windows(2).all(follows)
     }
 
-    /// The beat at `at_secs`, later than all so far, is that of a clock, and bars begin where its count is `bar` and a
-    /// multiple of four.
-    pub fn follow(&mut self, at_secs: f64, beat: Beat, bpm: f64, bar: f64) {
+    /// The beat at `at_secs`, later than all so far, is that of a clock. Its last bar began with the count `bar_count`, and
+    /// each further one begins a multiple of four later; since the last call one has begun, or not.
+    pub fn follow(&mut self, at_secs: f64, beat: Beat, bpm: f64, (bar_count, has_begun): (f64, bool)) {
         let bpm = if beat.confidence > 0.0 { bpm.clamp(0.0, MOST_BPM) } else { 0.0 };
-        let bar = bar.rem_euclid(BAR);
+        let bar = bar_count.rem_euclid(BAR);
+        // A bar whose count comes after the last mark follows from that one.
+        let begun = beat.count - (beat.count - bar).rem_euclid(BAR);
+        let follows = self.marks.last().is_some_and(|last| {
+            last.bpm.is_some_and(|bpm| bpm > 0.0) && last.bar == bar && begun > last.count - 1e-6
+        });
+        let begins = has_begun && !follows;
         let is_expected = self.marks.last().is_some_and(|last| {
             let goes_on = last.bpm.is_some_and(|known| (known > 0.0) == (bpm > 0.0));
             goes_on && last.bar == bar && (last.count_at(at_secs) - beat.count).abs() < TOLERANCE_BEATS
         });
-        if !is_expected && at_secs.is_finite() && beat.count.is_finite() {
+        if (begins || !is_expected) && at_secs.is_finite() && beat.count.is_finite() {
             let least = self.marks.last().map_or(0.0, |last| last.count);
-            let count = beat.count.clamp(least, MOST_BEATS);
-            self.marks.push(ClockMark { at_secs, count, bpm: Some(bpm), bar });
+            // A bar that has begun does not begin again after this mark, as where its first beat is heard late.
+            let least = if bpm > 0.0 { least.max(bar_count + 2e-6) } else { least };
+            let count = beat.count.max(least).min(MOST_BEATS);
+            self.marks.push(ClockMark { at_secs, count, bpm: Some(bpm), bar, begins });
         }
     }
 
@@ -94,14 +106,14 @@ impl ClockTrack {
     pub fn leave(&mut self, at_secs: f64) {
         if let Some(last) = self.marks.last().filter(|last| last.bpm.is_some()) {
             let count = last.count_at(at_secs).min(MOST_BEATS);
-            self.marks.push(ClockMark { at_secs, count, bpm: None, bar: 0.0 });
+            self.marks.push(ClockMark { at_secs, count, bpm: None, bar: 0.0, begins: false });
         }
     }
 
     /// Live input ends at `at_secs`, later than all so far, after `beat`. No song knows the beats that came in live: they
     /// count as those of a clock that is left then.
     pub fn leave_live(&mut self, at_secs: f64, beat: Beat) {
-        self.follow(at_secs, beat, 0.0, 0.0);
+        self.follow(at_secs, beat, 0.0, (0.0, false));
         self.leave(at_secs);
     }
 
@@ -142,13 +154,14 @@ impl ClockTrack {
             let next = self.marks.get(i + 1);
             let end_secs = next.map_or(to_secs, |next| next.at_secs.min(to_secs));
             let most = next.map_or(f64::INFINITY, |next| next.count);
-            // A bar with which the clock is taken up, or counts anew, has begun with it; one that a correction met is not counted twice.
-            let before = i
-                .checked_sub(1)
-                .and_then(|i| self.marks.get(i))
-                .filter(|before| before.bpm.is_some() && before.bar == mark.bar);
-            let gone =
-                before.map_or(mark.count - 1e-6, |before| before.count_at(mark.at_secs).min(mark.count));
+            let before = i.checked_sub(1).and_then(|i| self.marks.get(i));
+            let gone = match before.filter(|before| before.bpm.is_some() && before.bar == mark.bar) {
+                _ if mark.begins => mark.count - BAR,
+                // A bar that a correction met is not counted twice.
+                Some(before) => before.count_at(mark.at_secs).min(mark.count),
+                // One under way where the clock is taken up, or counts otherwise, began before.
+                None => mark.count - 1e-6,
+            };
             // Bars long before are not asked for.
             let gone = gone.max(mark.count_at(from_secs) - BAR);
             let mut count = ((gone - mark.bar) / BAR).floor() * BAR + BAR + mark.bar;
@@ -188,10 +201,10 @@ mod tests {
                 tick += 1;
             }
             if let Some(bpm) = tempo.bpm() {
-                let beat = tempo.at(now_secs);
-                track.follow(now_secs, beat, bpm, tempo.bar_offset());
+                let (beat, bar) = (tempo.at(now_secs), tempo.bar(now_secs, 1.0, false));
+                track.follow(now_secs, beat, bpm, (tempo.bar_count(), bar.is_some()));
                 seen.push((now_secs, beat.count));
-                bars.extend(tempo.bar(now_secs, 1.0, false).map(|_| now_secs));
+                bars.extend(bar.map(|_| now_secs));
             }
         }
         (track, seen, bars)
@@ -229,9 +242,9 @@ mod tests {
     fn a_clock_that_is_left_gives_no_beat_and_one_that_stops_stands_still() {
         let mut track = ClockTrack::default();
         let beat = |count, confidence| Beat { count, confidence };
-        track.follow(1.0, beat(8.0, 1.0), 120.0, 0.0);
-        track.follow(2.0, beat(10.0, 0.0), 120.0, 0.0);
-        track.follow(3.0, beat(10.0, 1.0), 60.0, 2.0);
+        track.follow(1.0, beat(8.0, 1.0), 120.0, (0.0, false));
+        track.follow(2.0, beat(10.0, 0.0), 120.0, (0.0, false));
+        track.follow(3.0, beat(10.0, 1.0), 60.0, (2.0, false));
         track.leave(5.0);
         track.leave(6.0);
         assert_eq!(track.marks().len(), 4);
@@ -247,11 +260,65 @@ mod tests {
     }
 
     #[test]
+    fn a_film_has_the_bars_of_a_clock_that_the_window_had() {
+        // Taken up in the middle of a bar; started just after a beat; given its first beat; twice as fast.
+        let changed = |frame: u32, tempo: &mut Tempo, now_secs: f64| match frame {
+            60 => tempo.set(120.0, 7.2, 5.0, now_secs),
+            211 => tempo.hear(ClockMessage::Start, now_secs),
+            510 => tempo.hear(ClockMessage::Beat { in_bar: Some(1) }, now_secs),
+            800 => tempo.double(now_secs),
+            _ => {}
+        };
+        // The first beat of a bar is heard late, at twice the tempo.
+        let late = |frame: u32, tempo: &mut Tempo, now_secs: f64| match frame {
+            0 => {
+                tempo.set(60.0, 0.0, 0.0, now_secs);
+                tempo.double(now_secs);
+            }
+            258 => tempo.hear(ClockMessage::Beat { in_bar: Some(1) }, now_secs),
+            _ => {}
+        };
+        type Played = fn(u32, &mut Tempo, f64);
+        let clocks: [Played; 2] = [changed, late];
+        // The picture is that of the message, or one just before.
+        for (clock, late_secs) in clocks.into_iter().flat_map(|clock| [(clock, 0.0), (clock, 0.03)]) {
+            let (mut track, mut tempo) = (ClockTrack::default(), Tempo::default());
+            let mut bars = Vec::new();
+            for frame in 0..1200 {
+                let now_secs = f64::from(frame) / 60.0;
+                clock(frame, &mut tempo, now_secs);
+                if let Some(bpm) = tempo.bpm() {
+                    let shown_secs = now_secs - late_secs;
+                    let (beat, bar) = (tempo.at(shown_secs), tempo.bar(shown_secs, 1.0, false));
+                    track.follow(now_secs, beat, bpm, (tempo.bar_count(), bar.is_some()));
+                    bars.extend(bar.map(|_| now_secs));
+                }
+            }
+            let film: Vec<f64> = track.bars_between(0.0, 20.0).iter().map(|bar| bar.at_secs).collect();
+            assert_eq!(film.len(), bars.len(), "{film:?} instead of {bars:?}");
+            let off = film.iter().zip(&bars).map(|(film, window)| (film - window).abs());
+            assert!(off.fold(0.0, f64::max) < 0.04, "{film:?} instead of {bars:?}");
+        }
+    }
+
+    #[test]
+    fn a_bar_begins_with_a_mark_that_says_so() {
+        let mark = |at_secs, count, bar, begins| ClockMark { at_secs, count, bpm: Some(120.0), bar, begins };
+        let bars = |begins: bool| -> Vec<f64> {
+            let marks = vec![mark(0.0, 0.0, 0.0, false), mark(10.6, 21.2, 1.0, begins)];
+            let bars = ClockTrack { marks }.bars_between(9.0, 13.0);
+            bars.iter().map(|bar| (100.0 * bar.at_secs).round() / 100.0).collect()
+        };
+        // Shows of before say nothing of it.
+        assert_eq!((bars(false), bars(true)), (vec![10.0, 12.5], vec![10.0, 10.6, 12.5]));
+    }
+
+    #[test]
     fn a_clock_that_is_cut_goes_on_or_is_left_before_its_later_marks() {
         let mut track = ClockTrack::default();
         let beat = |count| Beat { count, confidence: 1.0 };
-        track.follow(1.0, beat(8.0), 120.0, 0.0);
-        track.follow(3.0, beat(20.0), 60.0, 0.0);
+        track.follow(1.0, beat(8.0), 120.0, (0.0, false));
+        track.follow(3.0, beat(20.0), 60.0, (0.0, false));
         track.cut(2.0);
         assert_eq!((track.marks().len(), track.beat_at(2.5)), (1, Some(beat(11.0))));
         track.leave(2.0);
@@ -261,11 +328,12 @@ mod tests {
 
     #[test]
     fn a_clock_of_a_file_goes_on_within_the_bounds_of_files() {
-        let mark = ClockMark { at_secs: 0.0, count: MOST_BEATS, bpm: Some(MOST_BPM), bar: 0.0 };
+        let mark =
+            ClockMark { at_secs: 0.0, count: MOST_BEATS, bpm: Some(MOST_BPM), bar: 0.0, begins: false };
         let mut track = ClockTrack { marks: vec![mark] };
         assert!(track.is_sound());
         track.leave(60.0);
-        track.follow(61.0, Beat { count: 5.0, confidence: 1.0 }, 120.0, 0.0);
+        track.follow(61.0, Beat { count: 5.0, confidence: 1.0 }, 120.0, (0.0, false));
         assert!(track.is_sound());
         assert_eq!(track.mark_at(61.0).map(|mark| mark.count), Some(MOST_BEATS));
     }
@@ -273,7 +341,7 @@ mod tests {
     #[test]
     fn what_no_clock_does_is_refused() {
         let track = |marks: &[ClockMark]| ClockTrack { marks: marks.to_vec() };
-        let mark = ClockMark { at_secs: 1.0, count: 4.0, bpm: Some(120.0), bar: 0.0 };
+        let mark = ClockMark { at_secs: 1.0, count: 4.0, bpm: Some(120.0), bar: 0.0, begins: false };
         assert!(track(&[mark, ClockMark { at_secs: 2.0, bpm: None, ..mark }]).is_sound());
         for wrong in [
             ClockMark { at_secs: f64::NAN, ..mark },

@@ -1,5 +1,7 @@
 //! Φ_{t,a}: which sound band drives which harmonic, and how strongly.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::symmetry::{first_waving, spare_constants};
@@ -41,20 +43,32 @@ impl Mapping {
 
     /// The direct mapping for a shape: t_ini read at ω/2, so that the song drives the lower quarter of the
     /// harmonics; the lower a harmonic, the more it is amplified. Constant harmonics, of which a shape has one for
-    /// each of its pieces, count as one.
+    /// each of its pieces, count as one. Pieces that are alike share the sound: where their harmonics differ little, bands
+    /// take turns in driving them, and all are amplified alike.
     pub fn direct(eigenvalues: &[f64], bands: usize) -> Self {
         let k_count = eigenvalues.len().max(1);
         let spare = spare_constants(eigenvalues);
         // A quarter of fewer than five would be the constant one alone.
         let count = (k_count - spare).max(5);
-        let amplification = (0..k_count)
-            .map(|k| {
-                let x = (4.0 * k.saturating_sub(spare) as f32 / count as f32).min(1.0);
-                (1.0 - x) * (1.0 - x)
+        let groups = alike(eigenvalues);
+        let amplification = groups
+            .iter()
+            .flat_map(|group| {
+                let x = (4.0 * group.start.saturating_sub(spare) as f32 / count as f32).min(1.0);
+                std::iter::repeat_n((1.0 - x) * (1.0 - x), group.len())
             })
             .collect();
         let transfer = direct_transfer(eigenvalues, bands.max(1), 0.5, false);
         let mapping = Self { transfer, amplification, stereo_mu: 0.0, gain: 1.0 };
+        // The lowest of a group, which most bands would drive, moves one piece alone.
+        let top = (k_count - 1).max(1) as f32;
+        let in_turn = |(b, k): (usize, u32)| {
+            let k = k as usize;
+            let group = groups.get(groups.partition_point(|group| group.end <= k));
+            group.map_or(k, |group| group.start + b % group.len()) as f32 / top
+        };
+        let transfer = mapping.targets(bands.max(1), k_count).into_iter().enumerate().map(in_turn).collect();
+        let mapping = Self { transfer, ..mapping };
         Self { gain: mapping.even_gain(), ..mapping }
     }
 
@@ -179,6 +193,21 @@ fn resample(values: &[f32], count: usize) -> Vec<f32> {
         .collect()
 }
 
+/// All harmonics in groups of not more than the shape has pieces, first the constant ones. In a group, the largest λ is less
+/// than one and a half times the least, as of one wave on pieces that are nearly alike; of one large piece beside small ones
+/// these are few harmonics of about one fineness. On a shape in one piece each harmonic is alone.
+fn alike(eigenvalues: &[f64]) -> Vec<Range<usize>> {
+    const ALIKE: f64 = 1.5;
+    let pieces = spare_constants(eigenvalues) + 1;
+    let next = |group: &Range<usize>| {
+        let start = group.end;
+        let lowest = eigenvalues.get(start)?;
+        let near = eigenvalues.partition_point(|l| *l < ALIKE * lowest);
+        Some(start..near.clamp(start + 1, start + pieces).min(eigenvalues.len()))
+    };
+    std::iter::successors(Some(0..pieces), next).collect()
+}
+
 /// t_ini(ω) = min{ k : ω/ω_max ≤ √(λ_k/λ_max) }, read at α·ω, normalized to [0, 1] (section 4d).
 ///
 /// Band b of `bands` stands at ω/ω_max = (b+1)/bands, so that the last one reaches λ_max.
@@ -243,6 +272,27 @@ mod tests {
             let quarter = (0..k_count).map(|k| (1.0 - (4.0 * k as f32 / k_count as f32).min(1.0)).powi(2));
             let mapping = Mapping::direct(&weyl(1, k_count), 128);
             assert_eq!(mapping.amplification, quarter.collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn pieces_that_are_alike_share_the_sound_and_small_ones_leave_it_to_the_large_one() {
+        // Twelve pieces of nearly one size; each has five harmonics.
+        let piece = [0.0, 1.0, 1.2, 1.4, 3.9];
+        let wave = |l: f64| (0..12).map(move |i| l * (1.0 + 0.01 * f64::from(i)));
+        let mapping = Mapping::direct(&piece.into_iter().flat_map(wave).collect::<Vec<_>>(), 128);
+        let targets = mapping.targets(128, 60);
+        assert!(targets.iter().all(|k| (12..24).contains(k)), "the first wave of each piece");
+        assert_eq!(busiest(targets.iter().map(|k| (*k, 1.0))), 11.0, "128 bands for 12 pieces");
+        assert_eq!(mapping.amplification[12..24], [mapping.amplification[12]; 12]);
+        assert!(mapping.amplification[24] < mapping.amplification[12]);
+        // One large piece, and eleven without waves that are low enough.
+        let eigenvalues: Vec<f64> = (0..60).map(|k| f64::from((k - 11i32).max(0))).collect();
+        let harmonic = |t: &f32| (t * 59.0).round() as usize;
+        let straight = direct_transfer(&eigenvalues, 128, 0.5, false);
+        for (now, straight) in Mapping::direct(&eigenvalues, 128).transfer.iter().zip(&straight) {
+            let ratio = eigenvalues[harmonic(now)] / eigenvalues[harmonic(straight)];
+            assert!(ratio > 1.0 / 1.5 && ratio < 1.5, "{ratio}");
         }
     }
 

@@ -81,14 +81,17 @@ impl Player {
     }
 
     /// The factor, 1 or more, for a mapping that spreads its sound thinly or sends it to one place: with it,
-    /// a soft sound in every band uses half of the limits. As in the calibration, muting is ignored.
+    /// a soft sound in every band uses half of the limits. As in the calibration, muting is ignored. So are the knobs of
+    /// strength, which it would undo.
     fn lift(
         mapping: &Mapping,
         dancer: &Arc<Dancer>,
         bands: usize,
         playing: Playing,
     ) -> Result<f32, MusicError> {
-        let playing = Playing { gain: 1.0, choir: Choir::All, harmonics: None, detail: 1.0, ..playing };
+        let Playing { gain, calibration, .. } = Playing::default();
+        let playing =
+            Playing { gain, calibration, choir: Choir::All, harmonics: None, detail: 1.0, ..playing };
         let even_mapping = Mapping { gain: mapping.even_gain(), ..mapping.clone() };
         let mut all = Self::compiled(&even_mapping, dancer, bands, playing, 1.0);
         let even = vec![EVEN; bands];
@@ -153,7 +156,7 @@ impl Player {
             playing,
             groups,
             dancer: dancer.clone(),
-            scratch: Vec::with_capacity(2 * dancer.probes.count()),
+            scratch: Vec::with_capacity(4 * dancer.probes.count()),
         }
     }
 
@@ -176,11 +179,9 @@ impl Player {
             Form::Modal => vec![term(Coefficients::Normal(vec![0.0; k]), None)],
             Form::HalfMask => {
                 let sides = &self.dancer.sides;
-                let (mut left, mut right) = (sides.left.clone(), sides.right.clone());
-                if self.playing.flip_sides {
-                    std::mem::swap(&mut left, &mut right);
-                }
-                [left, right].map(|mask| term(Coefficients::Vector(vec![[0.0; 3]; k]), Some(mask))).into()
+                [&sides.left, &sides.right]
+                    .map(|mask| term(Coefficients::Vector(vec![[0.0; 3]; k]), Some(mask.clone())))
+                    .into()
             }
         };
         if self.playing.form != Form::Modal && self.playing.detail != 1.0 {
@@ -216,7 +217,10 @@ impl Player {
                     c.fill([0.0; 3]);
                     for v in &self.voiced {
                         let gain = match (self.playing.form, side) {
-                            (Form::HalfMask, 0) => self.sum(v, |b, tone| ear.left(b, tone)),
+                            // The first term stays the left half, whichever channel it hears.
+                            (Form::HalfMask, side) if (side == 0) != self.playing.flip_sides => {
+                                self.sum(v, |b, tone| ear.left(b, tone))
+                            }
                             (Form::HalfMask, _) => self.sum(v, |b, tone| ear.right(b, tone)),
                             _ if v.antisymmetric => self.sum(v, |b, tone| ear.antisymmetric(b, tone)),
                             _ => self.sum(v, |b, tone| ear.symmetric(b, tone)),
@@ -257,7 +261,8 @@ impl Player {
     /// Scales the item so that no probe exceeds the limit of displacement or of steepness.
     fn soften(&mut self, item: &mut Item) -> f32 {
         let limits = self.limits();
-        self.dancer.probes.soften(item, &self.groups, limits, &mut self.scratch)
+        let classes = (self.playing.form == Form::Modal).then_some(&self.dancer.classes[..]);
+        self.dancer.probes.soften(item, &self.groups, classes, limits, &mut self.scratch)
     }
 
     fn limits(&self) -> Limits {

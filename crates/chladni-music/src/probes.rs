@@ -4,6 +4,7 @@ use chladni_harmonics::Body;
 use chladni_mesh::surface::vec3::single;
 use chladni_synth::{Coefficients, Item, Residual, Term};
 
+use crate::Class;
 use crate::steepness::Patch;
 
 /// Vertices at the extremes of the broad harmonics that move the shape most, and far from each other;
@@ -85,7 +86,7 @@ impl Probes {
     /// The largest displacement of a probe under `terms`. `scratch` keeps its memory between
     /// calls; nothing else is allocated.
     pub(crate) fn displacement(&self, terms: &[Term], scratch: &mut Vec<[f32; 3]>) -> f32 {
-        let (part, total) = fields(scratch, self.count());
+        let [part, total] = fields::<2>(scratch, self.count());
         self.sum(terms, part, total);
         farthest(total)
     }
@@ -93,7 +94,7 @@ impl Probes {
     /// Adds to `out` the displacements and gradients of an item as shares of the limits; the squares of each
     /// kind are divided by the number of places, so that they add up to a mean.
     pub(crate) fn feel(&self, item: &Item, limits: Limits, scratch: &mut Vec<[f32; 3]>, out: &mut Vec<f32>) {
-        let (part, total) = fields(scratch, self.count());
+        let [part, total] = fields::<2>(scratch, self.count());
         self.sum(&item.terms, part, total);
         let (spots, corners) = total.split_at(self.spots);
         let scale = 1.0 / (limits.displacement * (spots.len().max(1) as f32).sqrt());
@@ -107,34 +108,51 @@ impl Probes {
     /// Scales each of the `groups` of harmonics in each term so that it keeps `limits` by itself, then the
     /// whole item so that the sum keeps them; so a loud group does not silence a soft one. Returns the
     /// largest share of the limits that any of these reached before scaling. Allocates nothing but `scratch`.
+    ///
+    /// Where `swinging` has the harmonics' classes, antisymmetric ones swing toward one side, and each movement is judged
+    /// toward the other, too: the triangles of the two halves differ, but sound from either side has the same limit.
     pub(crate) fn soften(
         &self,
         item: &mut Item,
         groups: &[Vec<u32>],
+        swinging: Option<&[Class]>,
         limits: Limits,
         scratch: &mut Vec<[f32; 3]>,
     ) -> f32 {
         let highest = groups.iter().filter_map(|group| group.last()).max().copied().unwrap_or(0);
         let judging = self.from.partition_point(|&from| from <= highest);
-        let (part, total) = fields(scratch, self.spots + 3 * judging);
+        let [part, other_part, total, other_total] = fields::<4>(scratch, self.spots + 3 * judging);
+        let (mut parts, mut totals) = ([part, other_part], [total, other_total]);
+        let ways = if swinging.is_some() { 2 } else { 1 };
+        let (parts, totals) = (&mut parts[..ways], &mut totals[..ways]);
+        let sign = |way: usize, k: usize| {
+            let class = swinging.and_then(|classes| classes.get(k));
+            if way == 1 && class == Some(&Class::Antisymmetric) { -1.0 } else { 1.0 }
+        };
         let mut most = 0.0f32;
         for term in &mut item.terms {
             for group in groups {
-                self.field(term, group.iter().copied(), part);
+                for (way, part) in parts.iter_mut().enumerate() {
+                    self.field(term, group.iter().copied(), |k| sign(way, k), part);
+                }
                 // Measured without the mask, so that halves that play the same are limited the same.
-                let reach = self.reach(part, limits);
+                let reach = parts.iter().map(|part| self.reach(part, limits)).fold(0.0, f32::max);
                 let scale = soft_limit(reach);
                 if scale < 1.0 {
                     scale_group(&mut term.coefficients, group, scale);
                 }
                 most = most.max(reach);
-                self.mask(term, part);
-                add(total, part, scale);
+                for (part, total) in parts.iter_mut().zip(totals.iter_mut()) {
+                    self.mask(term, part);
+                    add(total, part, scale);
+                }
             }
-            self.residual(term, part);
-            add(total, part, 1.0);
+            for (part, total) in parts.iter_mut().zip(totals.iter_mut()) {
+                self.residual(term, part);
+                add(total, part, 1.0);
+            }
         }
-        let reach = self.reach(total, limits);
+        let reach = totals.iter().map(|total| self.reach(total, limits)).fold(0.0, f32::max);
         let scale = soft_limit(reach);
         if scale < 1.0 {
             item.terms.iter_mut().for_each(|term| scale_term(term, scale));
@@ -149,7 +167,7 @@ impl Probes {
                 Coefficients::Vector(c) => c.len(),
                 Coefficients::Normal(c) => c.len(),
             };
-            self.field(term, 0..count as u32, part);
+            self.field(term, 0..count as u32, |_| 1.0, part);
             self.mask(term, part);
             add(total, part, 1.0);
             self.residual(term, part);
@@ -157,21 +175,27 @@ impl Probes {
         }
     }
 
-    /// The displacement by some harmonics of a term, without its mask.
-    fn field(&self, term: &Term, harmonics: impl Iterator<Item = u32>, out: &mut [[f32; 3]]) {
+    /// The displacement by some harmonics of a term, each times its `sign`, without its mask.
+    fn field(
+        &self,
+        term: &Term,
+        harmonics: impl Iterator<Item = u32>,
+        sign: impl Fn(usize) -> f32,
+        out: &mut [[f32; 3]],
+    ) {
         let p = self.count();
         out.fill([0.0; 3]);
         for k in harmonics.map(|k| k as usize) {
             let Some(row) = self.harmonics.get(k * p..(k + 1) * p) else { continue };
             match &term.coefficients {
                 Coefficients::Vector(c) => {
-                    let c = c.get(k).copied().unwrap_or_default();
+                    let c = c.get(k).copied().unwrap_or_default().map(|c| sign(k) * c);
                     if c != [0.0; 3] {
                         out.iter_mut().zip(row).for_each(|(d, h)| (0..3).for_each(|i| d[i] += h * c[i]));
                     }
                 }
                 Coefficients::Normal(c) => {
-                    let c = c.get(k).copied().unwrap_or_default();
+                    let c = sign(k) * c.get(k).copied().unwrap_or_default();
                     if c != 0.0 {
                         out.iter_mut().zip(row).for_each(|(d, h)| d[0] += h * c);
                     }
@@ -227,11 +251,12 @@ impl Probes {
     }
 }
 
-/// Two fields over the first `count` probes, at rest.
-fn fields(scratch: &mut Vec<[f32; 3]>, count: usize) -> (&mut [[f32; 3]], &mut [[f32; 3]]) {
+/// N fields over the first `count` probes, at rest.
+fn fields<const N: usize>(scratch: &mut Vec<[f32; 3]>, count: usize) -> [&mut [[f32; 3]]; N] {
     scratch.clear();
-    scratch.resize(2 * count, [0.0; 3]);
-    scratch.split_at_mut(count)
+    scratch.resize(N * count, [0.0; 3]);
+    let mut fields = scratch.chunks_exact_mut(count.max(1));
+    std::array::from_fn(|_| fields.next().unwrap_or_default())
 }
 
 fn add(total: &mut [[f32; 3]], part: &[[f32; 3]], scale: f32) {

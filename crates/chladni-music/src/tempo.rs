@@ -10,7 +10,8 @@ pub(crate) const QUARTERS_PER_BAR: f64 = 4.0;
 const TEMPI_BPM: std::ops::RangeInclusive<f64> = 20.0..=400.0;
 /// A beat that comes sooner after another one than at the fastest tempo is the same, heard twice.
 pub(crate) const SAME_BEAT_SECS: f64 = 60.0 / *TEMPI_BPM.end();
-/// Bars are missing where a gap is a whole number of them too long, but for this share of one.
+/// Bars are missing where a gap is a whole number of them too long, but for this share of one; a beat is the next where
+/// its gap is one beat, likewise.
 const BAR_TOLERANCE: f64 = 0.1;
 /// How often the tempo may be halved or doubled.
 const MOST_OCTAVES: i32 = 3;
@@ -113,12 +114,14 @@ impl Tempo {
         }
     }
 
-    /// Continues at `bpm` beats per minute, with a count of `count` beats at `at_secs`.
-    pub fn set(&mut self, bpm: f64, count: f64, at_secs: f64) {
-        if TEMPI_BPM.contains(&bpm) && count.is_finite() {
-            *self =
-                Self { origin: count.floor(), shown: count, is_locked: self.is_locked, ..Self::default() };
-            self.grid = Some(Grid { quarters: count.fract(), at_secs, per_sec: bpm / 60.0 });
+    /// Continues at `bpm` beats per minute, with a count of `count` beats at `at_secs`, and with a bar that began at
+    /// `bar_count`, a whole one.
+    pub fn set(&mut self, bpm: f64, count: f64, bar_count: f64, at_secs: f64) {
+        if TEMPI_BPM.contains(&bpm) && count.is_finite() && bar_count.is_finite() {
+            let (origin, quarters, is_locked) = (bar_count, count - bar_count, self.is_locked);
+            let grid = Some(Grid { quarters, at_secs, per_sec: bpm / 60.0 });
+            *self = Self { grid, origin, is_locked, shown: count, ..Self::default() };
+            self.told_bar = self.bar_under_way(at_secs);
         }
     }
 
@@ -126,6 +129,8 @@ impl Tempo {
     pub fn go_on_from(&mut self, count: f64, at_secs: f64) {
         self.shown = count;
         self.rebase(count, at_secs);
+        // Its bar that is under way began while it was not followed.
+        self.told_bar = None;
     }
 
     /// The beat at `secs`. Its count never decreases.
@@ -147,8 +152,9 @@ impl Tempo {
     pub fn bar(&mut self, secs: f64, energy: f32, begins_section: bool) -> Option<BarLine> {
         let grid = self.grid.filter(|_| self.runs)?;
         let per_bar = QUARTERS_PER_BAR / self.beats_per_quarter();
-        let bar = (grid.at(secs + self.nudge_secs) / per_bar).floor();
-        if self.told_bar.is_some_and(|last| last >= bar) {
+        let bar = self.bar_under_way(secs)?;
+        // A bar that is under way where a clock is taken up began before.
+        if *self.told_bar.get_or_insert(bar) >= bar {
             return None;
         }
         self.told_bar = Some(bar);
@@ -166,6 +172,13 @@ impl Tempo {
     /// Bars begin where the count of [`at`](Self::at) is this and a multiple of four.
     pub fn bar_offset(&self) -> f64 {
         self.origin.rem_euclid(QUARTERS_PER_BAR)
+    }
+
+    /// The count of [`at`](Self::at) with which the last bar of [`bar`](Self::bar) began; before any, that of the bar under
+    /// way.
+    pub fn bar_count(&self) -> f64 {
+        let told = self.told_bar.map(|bar| self.origin + QUARTERS_PER_BAR * bar);
+        told.unwrap_or_else(|| self.shown - (self.shown - self.origin).rem_euclid(QUARTERS_PER_BAR))
     }
 
     /// Moves the beat; with a positive value it comes sooner.
@@ -204,6 +217,19 @@ impl Tempo {
 
     fn count(&self, secs: f64) -> Option<f64> {
         Some(self.origin + self.place(secs + self.nudge_secs)? * self.beats_per_quarter())
+    }
+
+    /// The number of the bar at `secs`, from the beginning of the song.
+    fn bar_under_way(&self, secs: f64) -> Option<f64> {
+        let beats = self.place(secs + self.nudge_secs)? * self.beats_per_quarter();
+        Some((beats / QUARTERS_PER_BAR).floor())
+    }
+
+    /// The place in the song is another one: a bar that begins with it is new, one under way is not. The picture may lag
+    /// behind the message: no bar before it begins.
+    fn bar_anew(&mut self, quarters: f64) {
+        let beats = quarters * self.beats_per_quarter();
+        self.told_bar = self.grid.map(|_| ((beats - 0.5) / QUARTERS_PER_BAR).floor());
     }
 
     fn tick(&mut self, at_secs: f64) {
@@ -269,10 +295,8 @@ impl Tempo {
             self.grid = Some(Grid { quarters, at_secs: at_secs + gap_secs, ..grid });
         }
         self.ticks.clear();
-        let beats = quarters * self.beats_per_quarter();
-        self.origin = (count - beats).round();
-        // The bar of this place is new. What is shown may lag behind the message: no bar before it begins.
-        self.told_bar = self.grid.map(|_| (beats / QUARTERS_PER_BAR).floor() - 1.0);
+        self.origin = (count - quarters * self.beats_per_quarter()).round();
+        self.bar_anew(quarters);
     }
 
     fn set_tempo(&mut self, bpm: f64, at_secs: f64) {
@@ -305,7 +329,14 @@ impl Tempo {
             (None, None) => {}
         }
         // A move to another place in the bar must not step the beat.
-        self.origin -= (moved * self.beats_per_quarter()).round();
+        let moved_beats = (moved * self.beats_per_quarter()).round();
+        if moved_beats != 0.0 {
+            self.origin -= moved_beats;
+            // Less than half a quarter is the same place, heard sooner or later.
+            if moved.abs() >= 0.5 {
+                self.bar_anew(whole);
+            }
+        }
     }
 
     /// Takes a beat into their line. One whose place in the bar is said, as that of the one before it was, comes as
@@ -319,7 +350,9 @@ impl Tempo {
             return self.beats.put_again(at_secs);
         }
         self.beat_place = place;
-        let Some(apart) = apart else {
+        // One that comes a beat later at the tempo so far is the next one, also where its bar is counted anew.
+        let is_next = self.grid.is_some_and(|grid| (gap_secs * grid.per_sec - 1.0).abs() < BAR_TOLERANCE);
+        let Some(apart) = apart.filter(|_| !is_next) else {
             self.beats.add(at_secs);
             return;
         };
@@ -352,7 +385,7 @@ impl Tempo {
         }
         let count = self.at(at_secs).count;
         self.octave = octave;
-        self.told_bar = None;
+        self.told_bar = self.bar_under_way(at_secs);
         self.rebase(count, at_secs);
     }
 }

@@ -6,6 +6,8 @@
     reason = "a panic is how a test fails, a printed line how it tells what it skipped"
 )]
 
+use std::sync::Arc;
+
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{TriMesh, samples};
 use chladni_music::{Class, Symmetry, SymmetryMethod};
@@ -99,6 +101,29 @@ fn a_flat_rectangle_has_antisymmetric_harmonics_however_it_stands() {
         let antisymmetric = symmetry.classes.iter().filter(|c| **c == Class::Antisymmetric).count();
         assert!((8..=22).contains(&antisymmetric), "{antisymmetric} of 30 by {:?}", symmetry.method);
     }
+}
+
+/// A square has two harmonics of its second eigenvalue. One of them alone is what a solver makes of them, and where it leans
+/// between the mirror's own it is of neither class.
+#[test]
+fn a_harmonic_that_k_parts_from_its_eigenvalue_s_others_may_have_no_class() {
+    let whole = Body::build(&samples::grid_square(8), &BasisSettings::new(3), &Task::new()).unwrap();
+    let classes = Symmetry::of(&whole, &Task::new()).unwrap().classes;
+    assert!(classes.contains(&Class::Symmetric) && classes.contains(&Class::Antisymmetric), "{classes:?}");
+    assert!(!classes.contains(&Class::Undecided), "{classes:?}");
+
+    let mut basis = (*whole.basis).clone();
+    let (sin, cos) = 0.5_f64.sin_cos();
+    let n = basis.vertices();
+    for v in 0..n {
+        basis.vectors[n + v] = cos * basis.vectors[n + v] + sin * basis.vectors[2 * n + v];
+    }
+    basis.eigenvalues.truncate(2);
+    basis.vectors.truncate(2 * n);
+    let parted = Body { basis: Arc::new(basis), ..whole };
+    let symmetry = Symmetry::of(&parted, &Task::new()).unwrap();
+    assert!(matches!(symmetry.method, SymmetryMethod::Mirror(_)));
+    assert_eq!(symmetry.classes, [Class::Symmetric, Class::Undecided], "{:?}", symmetry.scores);
 }
 
 #[test]

@@ -10,7 +10,7 @@ use chladni_view::Draw;
 use serde::Serialize;
 
 use crate::studio::{self, FirstPicture, FrameReport, Measure};
-pub use crate::studio::{CHOOSE_FILE, Live, SetOutput, SetTarget};
+pub use crate::studio::{CHOOSE_FILE, Live, SetOutput, SetPlan, SetTarget};
 use crate::work::Error;
 
 /// The event at which the window closes by itself.
@@ -37,26 +37,25 @@ pub enum Outcome {
     Measured(FrameReport),
 }
 
-/// Opens the window on `files` and a `live` input, drawn as `draw` asks for, and returns when it is closed; it closes by
-/// itself once `ends` is cancelled. The music room sends its set to `output`.
+/// Opens the window on `files`, drawn as `draw` asks for, and returns when it is closed; it closes by itself once `ends` is
+/// cancelled. The music room begins the `set`.
 ///
 /// # Errors
 /// [`Error::Other`] where it cannot open, or was closed before what was waited for; [`Error::Input`] where a
 /// file shows no picture.
 pub fn open(
     files: Vec<PathBuf>,
-    live: Option<Live>,
+    set: SetPlan,
     until: Until,
     draw: Draw,
     ends: Task,
-    output: Option<SetOutput>,
 ) -> Result<Option<Outcome>, Error> {
     let measure = match until {
         Until::Measured(secs) => Some(Rc::new(RefCell::new(Measure::new(secs)))),
         Until::Closed | Until::Picture => None,
     };
     let picture = (until == Until::Picture).then(|| Rc::new(FirstPicture::since(Instant::now())));
-    studio::open(files, live, measure.clone(), picture.clone(), draw, ends, output).map_err(Error::other)?;
+    studio::open(files, set, measure.clone(), picture.clone(), draw, ends).map_err(Error::other)?;
     if let Some(picture) = picture {
         let first_picture_secs = match picture.outcome() {
             Some(seen) => seen.map_err(Error::Input)?,

@@ -34,6 +34,8 @@ mod decode;
 mod error;
 #[cfg(feature = "devices")]
 mod history;
+#[cfg(feature = "devices")]
+mod names;
 mod onset;
 #[cfg(feature = "devices")]
 mod player;

@@ -5,10 +5,9 @@ use crate::{Camera, Rect, layout};
 /// The share of its cell that the shape which needs most room fills in pictures.
 pub const FILL: f32 = 0.9;
 
-/// A cell for each of `shapes` within `area`, row by row, and its camera,
-/// which looks in the direction of `from`. Each shape is in the middle of its cell, all have the same scale,
-/// and the one that needs most room takes up the share `fill` of its cell. The numbers of rows and columns
-/// are those that show the shapes largest.
+/// A cell for each of `shapes` within `area`, row by row, and its camera, which looks in the direction of `from`. Each shape
+/// is in the middle of its cell, all have the same scale, and the one that needs most room takes up the share `fill` of its
+/// cell. The numbers of rows and columns are those that show the shapes largest.
 pub fn side_by_side(from: Camera, shapes: &[&[[f32; 3]]], area: Rect, fill: f32) -> Vec<(Rect, Camera)> {
     let arranged = |columns: usize| {
         let rows = shapes.len().div_ceil(columns);
@@ -29,7 +28,12 @@ pub fn side_by_side(from: Camera, shapes: &[&[[f32; 3]]], area: Rect, fill: f32)
         (scale, placed)
     };
     let all = (1..=shapes.len()).map(arranged);
-    all.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, placed)| placed)
+    let largest = all.max_by(|a, b| a.0.total_cmp(&b.0));
+    let mut placed = largest.map_or_else(Vec::new, |(_, placed)| placed);
+    for ((_, camera), shape) in placed.iter_mut().zip(shapes) {
+        camera.center(shape.iter().copied());
+    }
+    placed
 }
 
 /// How large a length at the target is drawn, up to a factor that all lenses of one kind share.
@@ -62,6 +66,7 @@ pub fn extremes(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Projection;
 
     #[test]
     fn extremes_need_the_room_of_all() {
@@ -124,6 +129,27 @@ mod tests {
             assert!((grown_high / height as f32 - 0.9).abs() < 0.01, "{width}×{height}: {grown_high}");
             let ratio = man_high / grown_high;
             assert!((ratio - 0.9).abs() < 0.03, "{ratio}");
+        }
+    }
+
+    #[test]
+    fn shapes_are_in_the_middle_of_their_cells_from_wherever_they_are_seen() {
+        let rod = [corners([0.0; 3], [10.0, 1.0, 1.0]), corners([3.0, 0.0, 1.0], [0.5, 0.8, 8.0])];
+        let shapes = rod.each_ref().map(Vec::as_slice);
+        for (projection, yaw_rad) in [(Projection::Perspective, 0.1), (Projection::Orthographic, 1.0)] {
+            let from = Camera { yaw_rad, pitch_rad: 0.2, projection, ..Camera::default() };
+            for area in [Rect::of_size(600, 600), Rect::of_size(1000, 200)] {
+                for ((cell, camera), shape) in side_by_side(from, &shapes, area, 0.9).iter().zip(shapes) {
+                    let pixels: Vec<[f32; 2]> =
+                        shape.iter().map(|p| camera.project(*p, *cell).unwrap().0).collect();
+                    for (i, begin, side) in [(0, cell.x, cell.width), (1, cell.y, cell.height)] {
+                        let before = pixels.iter().map(|p| p[i] - begin as f32).fold(f32::MAX, f32::min);
+                        let behind =
+                            pixels.iter().map(|p| (begin + side) as f32 - p[i]).fold(f32::MAX, f32::min);
+                        assert!((before - behind).abs() < 0.5, "{area:?}: {before} and {behind}");
+                    }
+                }
+            }
         }
     }
 

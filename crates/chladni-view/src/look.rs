@@ -1,5 +1,6 @@
 //! The look of a whole scene: material, palette, light, ground and finish, and how they answer to music.
 
+use crate::style::luminance;
 use crate::{Answer, Background, Finish, Lights, Material};
 
 /// All that makes a picture beside the shapes and the camera.
@@ -103,6 +104,18 @@ impl Look {
         self
     }
 
+    /// Relative luminance (WCAG 2.2), in [0, 1], of a flat surface at rest in white light: of the material's color, or the
+    /// mean of the palette's colors along the shape. The shape's [own colors](Self::own_colors) do not count.
+    pub fn surface_luminance(&self) -> f32 {
+        const PLACES: usize = 64;
+        let Some(Answer { palette, offset, span, .. }) = self.answer else {
+            return luminance(self.material.color);
+        };
+        let along = (0..PLACES).map(|i| i as f32 / (PLACES - 1) as f32);
+        let all = along.map(|along| luminance(palette.color(palette.place(offset + span * along))));
+        all.sum::<f32>() / PLACES as f32
+    }
+
     /// Whether it colors by speed, for which figures need their [lag](crate::Figure::lag).
     pub fn feels_speed(&self) -> bool {
         self.answer.is_some_and(|answer| answer.feels_speed())
@@ -142,6 +155,20 @@ mod tests {
             assert_eq!(Look::named(name), Some(*look));
             assert!(Look::PRESETS[..i].iter().all(|(other, as_well)| other != name && as_well != look));
         }
+    }
+
+    #[test]
+    fn a_surface_is_as_light_as_its_palette_or_else_its_material() {
+        let near = |look: Look, luminance: f32| {
+            let found = look.surface_luminance();
+            assert!((found - luminance).abs() < 0.01, "{found} instead of {luminance}");
+        };
+        near(Look { material: Material { color: [255; 3], ..Look::PLAIN.material }, ..Look::PLAIN }, 1.0);
+        near(Look { material: Material { color: [0; 3], ..Look::PLAIN.material }, ..Look::PLAIN }, 0.0);
+        // The palette's end, from where its colors run back.
+        near(Look::PORCELAIN, luminance(crate::Palette::Orchid.color(1.0)));
+        let beyond = Look::PORCELAIN.answer.map(|answer| Answer { offset: 1.75, ..answer });
+        near(Look { answer: beyond, ..Look::PORCELAIN }, luminance(crate::Palette::Orchid.color(0.25)));
     }
 
     #[test]

@@ -94,6 +94,12 @@ impl Palette {
         if self.is_circle() { 1.0 } else { 2.0 }
     }
 
+    /// Where in [0, 1] a surface finds its color for any `t`: circles go around, others run there and back.
+    pub(crate) fn place(self, t: f32) -> f32 {
+        let t = t.rem_euclid(self.period());
+        if self.is_circle() { t } else { 1.0 - (1.0 - t).abs() }
+    }
+
     /// The sRGB color of `t`; `t` outside [0, 1] is clamped, NaN gives the first.
     pub fn color(self, t: f32) -> [u8; 3] {
         let points = self.points();

@@ -17,6 +17,12 @@ pub(crate) fn linear(color: [u8; 3]) -> [f32; 3] {
     color.map(|c| decoded(f32::from(c) / 255.0))
 }
 
+/// Relative luminance of an sRGB color (WCAG 2.2), in [0, 1].
+pub(crate) fn luminance(color: [u8; 3]) -> f32 {
+    let [r, g, b] = linear(color);
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
 /// Linear light of each of the 256 steps of an sRGB channel.
 pub(crate) static LINEAR: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|i| decoded(i as f32 / 255.0)));

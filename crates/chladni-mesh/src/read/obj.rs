@@ -8,13 +8,17 @@ use crate::CornerUvs;
 use crate::error::Fault;
 use crate::read::Mended;
 
+/// Colors of vertices in ZBrush's files, behind a comment's sign: in the order of the vertices, eight hexadecimal digits
+/// each, mask, red, green and blue.
+const POLYPAINT: &[u8] = b"#MRGB";
+
 /// Reads `v` (with colors), `vt`, `f` with positive or negative indices, `usemtl`, `mtllib` and lines joined
 /// by a backslash. Vertices keep the order of the file, regardless of materials and groups. Normals, groups,
 /// lines, points and free-form surfaces are left out.
 pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {
     let mut obj = Obj::default();
     let mut joined = Vec::new();
-    let mut lines = Lines::new(bytes, Some(b'#'), true);
+    let mut lines = Lines::new(bytes, Some(b'#'), true).keeping(POLYPAINT);
     while let Some([line, whole]) = lines.next_and_whole(&mut joined) {
         let mut parts = words(line);
         let keyword = parts.next().unwrap_or_default();
@@ -26,6 +30,7 @@ pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {
             b"f" => obj.face(parts, lines.number())?,
             b"usemtl" => obj.material = Some(obj.draft.material(&rest())),
             b"mtllib" => obj.libraries.push(rest()),
+            POLYPAINT => obj.polypaint.extend(parts.flat_map(|word| word.chunks_exact(8)).map_while(painted)),
             b"curv" | b"curv2" | b"surf" => obj.free_form += 1,
             _ => {}
         }
@@ -39,6 +44,7 @@ struct Obj {
     /// NaN where a vertex has none.
     colors: Vec<[f64; 4]>,
     has_colors: bool,
+    polypaint: Vec<[f64; 4]>,
     material: Option<u32>,
     libraries: Vec<String>,
     free_form: usize,
@@ -146,6 +152,10 @@ impl Obj {
         if self.has_colors {
             let full = full_channel(self.colors.iter().flatten());
             draft.set_srgb_colors(std::mem::take(&mut self.colors), [full, full, full, 1.0]);
+        } else if self.polypaint.len() == draft.positions.len() {
+            draft.set_srgb_colors(std::mem::take(&mut self.polypaint), [255.0, 255.0, 255.0, 1.0]);
+        } else if !self.polypaint.is_empty() {
+            draft.mended.push(Mended::LeftOut("painted colors of another number of vertices".into()));
         }
         if draft.face_materials.iter().all(Option::is_none) {
             draft.face_materials.clear();
@@ -156,4 +166,11 @@ impl Obj {
         mtl::read_into(&mut draft, &self.libraries, beside);
         Ok(draft)
     }
+}
+
+/// The color of a vertex.
+fn painted(digits: &[u8]) -> Option<[f64; 4]> {
+    let value = u32::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()?;
+    let [_, r, g, b] = value.to_be_bytes().map(f64::from);
+    Some([r, g, b, 1.0])
 }

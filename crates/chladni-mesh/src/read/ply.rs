@@ -288,6 +288,8 @@ impl Ply<'_> {
                         self.draft.uvs.push([u, v]);
                         self.draft.uvs.len() as u32 - 1
                     }
+                    // Our writer gives corners without a texture point NaN.
+                    Some(&[u, v]) if u.is_nan() && v.is_nan() => CornerUvs::NONE,
                     None if (v as usize) < vertex_uvs && is_texture_point(self.draft.uvs[v as usize]) => v,
                     None if uvs.is_empty() && v as usize >= vertex_uvs => CornerUvs::NONE,
                     _ => {

@@ -8,13 +8,20 @@ pub(crate) struct Lines<'a> {
     rest: &'a [u8],
     number: usize,
     comment: Option<u8>,
+    /// Comments that begin so are lines.
+    kept: Option<&'static [u8]>,
     joins: bool,
 }
 
 impl<'a> Lines<'a> {
     pub fn new(bytes: &'a [u8], comment: Option<u8>, joins: bool) -> Self {
         let rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        Self { rest, number: 0, comment, joins }
+        Self { rest, number: 0, comment, kept: None, joins }
+    }
+
+    /// With comments that begin so among the lines: some programs keep data in them.
+    pub fn keeping(self, kept: &'static [u8]) -> Self {
+        Self { kept: Some(kept), ..self }
     }
 
     /// The number of the line last returned, from 1.
@@ -80,6 +87,9 @@ impl<'a> Lines<'a> {
     }
 
     fn without_comment<'c>(&self, line: &'c [u8]) -> &'c [u8] {
+        if self.kept.is_some_and(|kept| line.starts_with(kept)) {
+            return line;
+        }
         let begins = |at: usize| {
             // The sign in 1.#INF begins no comment.
             Some(line[at]) == self.comment && !(line[..at].ends_with(b"1.") && is_windows_name(&line[at..]))
@@ -193,9 +203,14 @@ fn not_finite(word: &[u8]) -> Option<&'static str> {
     (start.eq_ignore_ascii_case(b"nan(") && rest.ends_with(b")")).then_some("NaN")
 }
 
-/// Whether `text` begins as the end of `1.#INF`, `1.#IND`, `1.#QNAN` or `1.#SNAN`.
+/// Whether `text` begins as the end of `1.#INF`, `1.#IND`, `1.#QNAN` or `1.#SNAN`, also of one that was rounded to fewer
+/// letters as if they were digits: `1.#J` is `1.#INF` or `1.#IND`.
 fn is_windows_name(text: &[u8]) -> bool {
-    [&b"#INF"[..], b"#IND", b"#QNAN", b"#SNAN"].iter().any(|name| text.starts_with(name))
+    let whole = [&b"#INF"[..], b"#IND", b"#QNAN", b"#SNAN"];
+    let rounded = [&b"#J"[..], b"#IO", b"#R", b"#QO", b"#QNB", b"#T", b"#SO", b"#SNB"];
+    // Longer words that begin so are comments.
+    let word = words(text).next().unwrap_or_default();
+    whole.iter().any(|name| text.starts_with(name)) || rounded.contains(&word)
 }
 
 /// A word for an error message: short and printable, whatever bytes it has.

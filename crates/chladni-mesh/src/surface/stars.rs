@@ -8,8 +8,10 @@ use rayon::prelude::*;
 use super::vec3::{Vec3, add, dot, scaled, sub};
 use crate::eigen::symmetric_eigen;
 
-/// Below this share of the lengths involved an angle or a distance counts as zero.
+/// Below this share of the lengths involved an angle or a distance counts as zero, near the origin.
 const NOTHING: f64 = 1e-9;
+/// Far from the origin, below as many times the rounding of the coordinates.
+const ROUNDINGS: f64 = 64.0;
 
 /// The stars of all points: for each of them the triangles at it in the Delaunay triangulation of its `neighbors`
 /// nearest points, projected along the normal of the plane that fits these best. Each begins with its point.
@@ -44,22 +46,28 @@ fn star(points: &[Vec3], v: u32, around: &[u32]) -> Vec<[u32; 3]> {
     let [x, y] = plane(points, around);
     let offset = |u: &u32| sub(points[*u as usize], points[v as usize]);
     let farthest = around.iter().map(|u| dot(offset(u), offset(u))).fold(0.0, f64::max).sqrt();
+    if farthest == 0.0 {
+        return Vec::new();
+    }
+    let coordinates = points[v as usize].into_iter().chain(around.iter().flat_map(|u| points[*u as usize]));
+    let largest = coordinates.fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    let nothing = NOTHING.max(ROUNDINGS * f64::EPSILON * largest / farthest);
     let inverted = |u: &u32| {
         let offset = scaled(offset(u), 1.0 / farthest);
         let (x, y) = (dot(offset, x), dot(offset, y));
         let square = x * x + y * y;
-        (square > NOTHING * NOTHING).then(|| Inverted { vertex: *u, at: [x / square, y / square] })
+        (square > nothing * nothing).then(|| Inverted { vertex: *u, at: [x / square, y / square] })
     };
     let mut seen: Vec<Inverted> = around.iter().filter_map(inverted).collect();
     let middle = Inverted { vertex: v, at: [0.0; 2] };
     seen.push(middle);
-    let hull = convex_hull(&mut seen);
+    let hull = convex_hull(&mut seen, nothing);
     let next = hull.iter().skip(1).chain(hull.first());
     let mut fan = Vec::with_capacity(hull.len());
     for (a, b) in hull.iter().zip(next) {
         // A side through the middle is a border: the fan is open there.
-        if turns_left(*a, *b, middle) {
-            let ring = side(&seen, v, *a, *b);
+        if turns_left(nothing, *a, *b, middle) {
+            let ring = side(&seen, v, [*a, *b], nothing);
             fan.extend(ring.windows(2).map(|pair| [v, pair[0], pair[1]]));
         }
     }
@@ -80,18 +88,14 @@ fn plane(points: &[Vec3], around: &[u32]) -> [Vec3; 2] {
 }
 
 /// Whether a, b and c turn left by more than `least`, the sine of an angle.
-fn turns_left_by(least: f64, a: Inverted, b: Inverted, c: Inverted) -> bool {
+fn turns_left(least: f64, a: Inverted, b: Inverted, c: Inverted) -> bool {
     let [u, v] = [(a, b), (b, c)].map(|(p, q)| [q.at[0] - p.at[0], q.at[1] - p.at[1]]);
     u[0] * v[1] - u[1] * v[0] > least * (u[0].hypot(u[1]) * v[0].hypot(v[1]))
 }
 
-/// Whether a, b and c turn left by more than rounding.
-fn turns_left(a: Inverted, b: Inverted, c: Inverted) -> bool {
-    turns_left_by(NOTHING, a, b, c)
-}
-
-/// The corners of the convex hull, counterclockwise (Andrew 1979); sorts the points.
-fn convex_hull(points: &mut [Inverted]) -> Vec<Inverted> {
+/// The corners of the convex hull, counterclockwise (Andrew 1979), where an angle whose sine is `nothing` is none; sorts the
+/// points.
+fn convex_hull(points: &mut [Inverted], nothing: f64) -> Vec<Inverted> {
     points.sort_by(|a, b| {
         a.at[0].total_cmp(&b.at[0]).then(a.at[1].total_cmp(&b.at[1])).then(a.vertex.cmp(&b.vertex))
     });
@@ -100,7 +104,7 @@ fn convex_hull(points: &mut [Inverted]) -> Vec<Inverted> {
         let first = hull.len();
         for point in points {
             while let [.., a, b] = hull[first..] {
-                if turns_left_by(0.0, a, b, *point) {
+                if turns_left(0.0, a, b, *point) {
                     break;
                 }
                 hull.pop();
@@ -115,7 +119,7 @@ fn convex_hull(points: &mut [Inverted]) -> Vec<Inverted> {
     // take true corners out, so corners that are none but for rounding go afterward.
     while hull.len() > 3 {
         let n = hull.len();
-        let is_none = |i: &usize| !turns_left(hull[(i + n - 1) % n], hull[*i], hull[(i + 1) % n]);
+        let is_none = |i: &usize| !turns_left(nothing, hull[(i + n - 1) % n], hull[*i], hull[(i + 1) % n]);
         let Some(i) = (0..n).find(is_none) else { break };
         hull.remove(i);
     }
@@ -124,7 +128,7 @@ fn convex_hull(points: &mut [Inverted]) -> Vec<Inverted> {
 
 /// The ring from a to b along a side of the hull. Points on the side lie on one circle with a, b and the middle `v`; of
 /// the polygon that all of them form, every star takes the same triangles: those at its vertex of least number.
-fn side(seen: &[Inverted], v: u32, a: Inverted, b: Inverted) -> Vec<u32> {
+fn side(seen: &[Inverted], v: u32, [a, b]: [Inverted; 2], nothing: f64) -> Vec<u32> {
     let mut ring = vec![a.vertex, b.vertex];
     let [u, w] = [b.at[0] - a.at[0], b.at[1] - a.at[1]];
     let square = u * u + w * w;
@@ -134,12 +138,12 @@ fn side(seen: &[Inverted], v: u32, a: Inverted, b: Inverted) -> Vec<u32> {
         .filter_map(|point| {
             let [x, y] = [point.at[0] - a.at[0], point.at[1] - a.at[1]];
             let along = (x * u + y * w) / square;
-            let is_on_it = (x * w - y * u).abs() < NOTHING * square;
-            (is_on_it && along > NOTHING && along < 1.0 - NOTHING).then_some((along, point.vertex))
+            let is_on_it = (x * w - y * u).abs() < nothing * square;
+            (is_on_it && along > nothing && along < 1.0 - nothing).then_some((along, point.vertex))
         })
         .collect();
     between.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    between.dedup_by(|a, b| a.0 - b.0 < NOTHING);
+    between.dedup_by(|a, b| a.0 - b.0 < nothing);
     let least = between.iter().map(|(_, vertex)| *vertex).chain([a.vertex, b.vertex, v]).min();
     let kept = between.iter().map(|(_, vertex)| *vertex);
     ring.splice(1..1, kept.filter(|vertex| least == Some(v) || least == Some(*vertex)));
@@ -196,6 +200,19 @@ mod tests {
                 }
                 None => assert!(thrice as f64 > 0.95 * counts.len() as f64, "{thrice} of {}", counts.len()),
             }
+        }
+    }
+
+    #[test]
+    fn stars_of_a_grid_agree_however_far_from_the_origin_it_lies() {
+        for far in [1e4, 1e6, 1e8] {
+            let points: Vec<Vec3> = (0..225)
+                .map(|i| [f64::from(i % 15) / 10.0, f64::from(i / 15) / 10.0])
+                .map(|[x, y]| [2.0 * x - y, 2.0 * x + 2.0 * y, 2.0 * y - x].map(|c| c / 3.0))
+                .map(|[x, y, z]| [x + 0.3 * far, y + 0.7 * far, z - 0.1 * far])
+                .collect();
+            let counts = counts(&stars(&points));
+            assert!(counts.values().all(|count| *count == 3) && counts.len() == 2 * 14 * 14, "{far}");
         }
     }
 

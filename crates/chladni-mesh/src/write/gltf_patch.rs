@@ -187,6 +187,7 @@ impl Patch<'_> {
     /// be exaggerated differently.
     fn add(&mut self, placed: &[Placed]) -> Result<(), MeshError> {
         let shape = Shape::of(self.mesh, self.targets);
+        let names = self.own_names(placed);
         let originals = list(&mut self.document, "meshes").clone();
         let (mut taken, mut before_at) = (HashSet::new(), HashMap::new());
         for same in placed.chunk_by(|a, b| (a.place, a.mesh) == (b.place, b.mesh)) {
@@ -198,7 +199,7 @@ impl Patch<'_> {
                 let own = same.iter().find(|placed| placed.primitive == index);
                 self.add_to(primitive, own, &shape)?;
             }
-            self.name_targets(&mut mesh, before);
+            self.name_targets(&mut mesh, self.names_before(first.mesh), &names);
             let at = if taken.insert(first.mesh) {
                 self.document["meshes"][first.mesh] = mesh;
                 first.mesh
@@ -294,9 +295,25 @@ impl Patch<'_> {
         Ok(Some(read))
     }
 
-    fn name_targets(&self, mesh: &mut Value, before: usize) {
+    /// The names of the targets that a mesh has in the file.
+    fn names_before(&self, mesh: usize) -> Vec<Value> {
+        let before = self.targets_before(mesh);
+        let known = self.document["meshes"][mesh]["extras"]["targetNames"].as_array();
+        let mut names: Vec<Value> = known.into_iter().flatten().take(before).cloned().collect();
+        names.extend((names.len()..before).map(|i| json!(format!("target_{i}"))));
+        names
+    }
+
+    /// The names of the new targets, which no mesh has yet: programs move the sliders of one name in all meshes together.
+    fn own_names(&self, placed: &[Placed]) -> Vec<String> {
+        let meshes: HashSet<usize> = placed.iter().map(|placed| placed.mesh).collect();
+        let taken: Vec<Value> = meshes.into_iter().flat_map(|mesh| self.names_before(mesh)).collect();
+        distinct_names(taken.iter().filter_map(Value::as_str), self.targets)
+    }
+
+    fn name_targets(&self, mesh: &mut Value, mut names: Vec<Value>, own: &[String]) {
         let weights = list(mesh, "weights");
-        weights.resize(before, json!(0.0));
+        weights.resize(names.len(), json!(0.0));
         weights.extend(self.targets.iter().map(|_| json!(0.0)));
         match mesh.get("extras") {
             None => mesh["extras"] = json!({}),
@@ -304,11 +321,8 @@ impl Patch<'_> {
             // Somebody's own, in which names have no place.
             Some(_) => return,
         }
-        let names = list(&mut mesh["extras"], "targetNames");
-        names.truncate(before);
-        (names.len()..before).for_each(|i| names.push(json!(format!("target_{i}"))));
-        let own = distinct_names(names.iter().filter_map(Value::as_str), self.targets);
-        names.extend(own.into_iter().map(Value::from));
+        names.extend(own.iter().map(|name| json!(name)));
+        mesh["extras"]["targetNames"] = Value::Array(names);
     }
 
     /// Animations of the weights of `nodes` hold the new targets at 0; the value of each is its count of targets before.

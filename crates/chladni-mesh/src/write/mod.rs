@@ -17,19 +17,22 @@ use crate::read::draft::GREATEST_COORDINATE;
 use crate::surface::Bounds;
 use crate::{Attribute, Format, MeshError, TriMesh};
 
+/// The least extent of a shape that is rounded to `f32`, which below 1e-38 holds fewer and fewer digits.
+const LEAST_EXTENT: f64 = 1e-30;
+
 /// Writes `mesh` as OBJ, binary PLY, binary STL or GLB.
 ///
 /// OBJ and PLY hold coordinates exactly; STL and GLB round them to `f32`, GLB far from the origin relative to the shape's
 /// [middle](far_center). An OBJ with materials names the library `materials.mtl`, which [`save_mesh`] writes too, under a
-/// name of its own.
+/// name of its own; without it, blanks take the place of number signs in names of materials.
 ///
 /// # Errors
-/// [`MeshError::Unwritable`] for another format, for coordinates that the format cannot hold, and
-/// for a mesh whose triangles, faces or appearance do not belong together.
+/// [`MeshError::Unwritable`] for another format, for coordinates that the format cannot hold, for a shape of less than
+/// 1e-30 units as STL or GLB, and for a mesh whose triangles, faces or appearance do not belong together.
 pub fn write_mesh(mesh: &TriMesh, format: Format) -> Result<Vec<u8>, MeshError> {
     check(mesh, format)?;
     match format {
-        Format::Obj => Ok(obj::write(mesh, "materials.mtl")),
+        Format::Obj => Ok(obj::write(mesh)),
         Format::Ply => Ok(ply::write(mesh)),
         Format::Stl => stl::write(mesh),
         Format::Glb => write_glb(mesh, &[]),
@@ -77,6 +80,15 @@ fn check(mesh: &TriMesh, format: Format) -> Result<(), MeshError> {
         return refused(&format!(
             "vertex {v} has a coordinate that is not a number, or beyond {GREATEST_COORDINATE:e}"
         ));
+    }
+    if matches!(format, Format::Stl | Format::Glb) {
+        let Bounds { low, high } =
+            Bounds::of(mesh.triangles.as_flattened().iter().map(|&v| mesh.positions[v as usize]));
+        // Not the diagonal: its square would underflow.
+        let extent = low.iter().zip(high).fold(0.0, |extent: f64, (low, high)| extent.max(high - low));
+        if extent > 0.0 && extent < LEAST_EXTENT {
+            return refused(&format!("it is {extent:.0e} across, too small for 32 bits: scale it"));
+        }
     }
     let mut corners = 3 * mesh.triangles.len();
     if let Some(polygons) = &look.polygons {

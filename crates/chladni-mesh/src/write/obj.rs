@@ -11,8 +11,13 @@ use chladni_task::{open_file, read_file, write_atomic, write_new};
 use crate::appearance::srgb_from_linear;
 use crate::{CornerUvs, Material, MeshError, TriMesh};
 
-/// The text of `mesh`; `library` is named where there are materials.
-pub(crate) fn write(mesh: &TriMesh, library: &str) -> Vec<u8> {
+/// The text of `mesh` alone, which names a library `materials.mtl` where there are materials.
+pub(crate) fn write(mesh: &TriMesh) -> Vec<u8> {
+    // Without a library, readers take a number sign for a comment, and materials that differ after it for one.
+    text_with(mesh, "materials.mtl", &names(&mesh.appearance.materials, &['\n', '\r', '#']))
+}
+
+fn text_with(mesh: &TriMesh, library: &str, names: &Names) -> Vec<u8> {
     let look = &mesh.appearance;
     let mut text = String::new();
     if !look.materials.is_empty() {
@@ -34,7 +39,6 @@ pub(crate) fn write(mesh: &TriMesh, library: &str) -> Vec<u8> {
         point.iter().for_each(|&x| push_number(&mut text, x));
         text.push('\n');
     }
-    let names = names(&look.materials);
     let mut current = None;
     for f in 0..mesh.face_count() {
         let material = look.face_materials.get(f).copied().flatten();
@@ -64,12 +68,13 @@ struct Names {
     none: String,
 }
 
-/// The names of `materials`, all different and readable: OBJ distinguishes materials only by their names.
-fn names(materials: &[Material]) -> Names {
+/// The names of `materials`, all different and readable, with blanks for the `unreadable`: OBJ distinguishes materials only
+/// by their names.
+fn names(materials: &[Material], unreadable: &[char]) -> Names {
     // How often each name was asked for; one that never was is free.
     let mut wanted: HashMap<String, usize> = HashMap::new();
     let mut free = |name: &str| {
-        let plain = name.replace(['\n', '\r', '#'], " ");
+        let plain = name.replace(unreadable, " ");
         let plain = plain.trim_end_matches(|c: char| c == '\\' || c.is_whitespace()).trim_start();
         let plain = if plain.is_empty() { "material" } else { plain };
         let mut candidate = plain.to_owned();
@@ -102,7 +107,8 @@ fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
 pub(crate) fn save_with_materials(mesh: &TriMesh, path: &Path) -> Result<(), MeshError> {
     let stem = readable(&path.file_stem().unwrap_or_default().to_string_lossy(), "mesh");
     let mut text = String::new();
-    let names = names(&mesh.appearance.materials);
+    // With the library, names are found again whatever number signs they hold.
+    let names = names(&mesh.appearance.materials, &['\n', '\r']);
     for (material, name) in mesh.appearance.materials.iter().zip(&names.materials) {
         let picture = match &material.base_color_texture {
             Some(texture) if texture.bytes.is_empty() => Some(texture.name.clone()),
@@ -118,7 +124,7 @@ pub(crate) fn save_with_materials(mesh: &TriMesh, path: &Path) -> Result<(), Mes
     let own = library_of(path);
     let libraries = std::iter::once(format!("{stem}.mtl")).chain(numbered);
     let library = save_beside(path, libraries, text.as_bytes(), own.as_deref())?;
-    write_atomic(path, &write(mesh, &library)).map_err(MeshError::Io)
+    write_atomic(path, &text_with(mesh, &library, &names)).map_err(MeshError::Io)
 }
 
 fn push_material(text: &mut String, name: &str, material: &Material, picture: Option<&str>) {

@@ -68,10 +68,11 @@ pub(crate) fn write(mesh: &TriMesh) -> Vec<u8> {
         let Some(uvs) = corner_uvs else { continue };
         let first = mesh.first_corner(f);
         let indices = &uvs.corners[first..first + face.len()];
-        let complete = indices.iter().all(|&uv| uv != CornerUvs::NONE);
-        push_length(&mut bytes, if complete { 2 * face.len() } else { 0 });
-        for uv in indices.iter().filter(|_| complete) {
-            doubles(&mut bytes, &uvs.points.get(*uv as usize).copied().unwrap_or_default());
+        let has_any = indices.iter().any(|&uv| uv != CornerUvs::NONE);
+        push_length(&mut bytes, if has_any { 2 * face.len() } else { 0 });
+        for uv in indices.iter().filter(|_| has_any) {
+            // A corner without one among others has a place in the list, too.
+            doubles(&mut bytes, &uvs.points.get(*uv as usize).copied().unwrap_or([f64::NAN; 2]));
         }
     }
     bytes

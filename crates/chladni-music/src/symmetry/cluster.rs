@@ -50,7 +50,9 @@ pub(super) fn mirrored(
         .into_par_iter()
         .map(|group| {
             task.check()?;
-            Ok(classify(body, image, group, settings))
+            let is_last = group.end == basis.harmonics();
+            let settings = if is_last { settings.of_last() } else { *settings };
+            Ok(classify(body, image, group, &settings))
         })
         .collect::<Result<_, MusicError>>()?;
     let mut scores = Vec::with_capacity(basis.harmonics());

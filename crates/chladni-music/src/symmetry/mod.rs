@@ -55,7 +55,8 @@ pub struct SymmetrySettings {
     pub least_extrema: usize,
     /// Neighboring eigenvalues with a relative difference below this count as repeated.
     pub cluster_gap: f64,
-    /// A harmonic with |⟨H, H∘T⟩| below this is undecided, in (0, 1).
+    /// A harmonic with |⟨H, H∘T⟩| below this is undecided, in (0, 1). It is at least 0.9 for the last harmonics, which K
+    /// may part from others of their eigenvalue.
     pub decided: f64,
     /// The largest misfit of a mirror plane, as a share of the diagonal of the shape's bounding box (root
     /// mean square over the best nine tenths of the vertices).
@@ -79,6 +80,11 @@ impl Default for SymmetrySettings {
 }
 
 impl SymmetrySettings {
+    /// The settings for the harmonics that come last, which K may part from others of their eigenvalue.
+    fn of_last(&self) -> Self {
+        Self { decided: self.decided.max(WITHIN), ..*self }
+    }
+
     /// The class of a harmonic with this score.
     fn class(&self, score: f64) -> Class {
         match score {
@@ -88,6 +94,10 @@ impl SymmetrySettings {
         }
     }
 }
+
+/// Of harmonics that K may part from others of their eigenvalue, those with |⟨H, H∘T⟩| below this are undecided: the
+/// mirror may take them to others beyond K.
+const WITHIN: f64 = 0.9;
 
 /// The symmetry of a body's harmonics.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,7 +148,12 @@ impl Symmetry {
         let mirrored = if settings.by_vote { None } else { mirror(body, &extrema.pairs, settings, task)? };
         if let Some((plane, image)) = mirrored {
             let (scores, rotations) = cluster::mirrored(body, &image, settings, task)?;
-            return Ok(Self::new(extrema, scores, rotations, SymmetryMethod::Mirror(plane), settings));
+            let mut found = Self::new(extrema, scores, rotations, SymmetryMethod::Mirror(plane), settings);
+            let last = repeated(basis, settings.cluster_gap).pop().unwrap_or_default();
+            for (class, score) in found.classes.iter_mut().zip(&found.scores).skip(last.start) {
+                *class = settings.of_last().class(*score);
+            }
+            return Ok(found);
         }
         let scores = extrema.vote(basis, settings);
         let by_majority = SymmetrySettings { decided: f64::MIN_POSITIVE, ..*settings };

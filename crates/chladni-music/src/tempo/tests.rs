@@ -143,7 +143,7 @@ fn taps_and_osc_give_tempo_and_phase() {
 #[test]
 fn it_is_nudged_halved_doubled_and_locked() {
     let mut tempo = Tempo::default();
-    tempo.set(100.0, 7.25, 20.0);
+    tempo.set(100.0, 7.25, 7.0, 20.0);
     assert_eq!((tempo.at(20.0).count, tempo.bpm()), (7.25, Some(100.0)));
     tempo.nudge(0.06);
     assert!((tempo.at(20.0).count - 7.35).abs() < 1e-9);
@@ -167,14 +167,54 @@ fn it_is_nudged_halved_doubled_and_locked() {
 fn a_bar_does_not_begin_again_where_the_tempo_cannot_be_doubled_or_halved_further() {
     for change in [Tempo::double, Tempo::halve] {
         let mut tempo = Tempo::default();
-        tempo.set(120.0, 0.0, 10.0);
+        tempo.set(120.0, 0.0, 0.0, 10.0);
         (0..9).for_each(|_| change(&mut tempo, 10.0));
-        assert!(tempo.bar(10.1, 0.5, false).is_some());
+        assert!(tempo.bar(60.0, 0.5, false).is_some());
         let before = tempo.clone();
-        change(&mut tempo, 10.1);
+        change(&mut tempo, 60.0);
         assert!(tempo == before);
-        assert_eq!(tempo.bar(10.1, 0.5, false), None);
+        assert_eq!(tempo.bar(60.0, 0.5, false), None);
     }
+}
+
+#[test]
+fn a_bar_that_is_under_way_does_not_begin_where_a_clock_is_taken_up_or_its_tempo_doubled() {
+    let mut taken_up = Tempo::default();
+    taken_up.hear(ClockMessage::Tempo { bpm: 120.0 }, 10.0);
+    let mut held = Tempo::default();
+    // The bar of beat 21 is two beats old.
+    held.set(120.0, 23.0, 21.0, 11.0);
+    assert_eq!((held.at(11.0).count, held.bar_offset()), (23.0, 1.0));
+    for mut tempo in [taken_up, held] {
+        assert_eq!(tempo.bar(11.1, 0.5, false), None);
+        assert!((tempo.bar(12.1, 0.5, false).unwrap().at_secs - 12.0).abs() < 1e-9);
+        tempo.double(12.1);
+        assert_eq!(tempo.bar(12.9, 0.5, false), None);
+        assert!((tempo.bar(13.1, 0.5, false).unwrap().at_secs - 13.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_bar_begins_where_another_beat_is_said_to_be_the_first() {
+    for (at_secs, said, next_secs) in [(11.5, 1, 11.5), (10.6, 1, 10.6), (10.5, 3, 11.5)] {
+        let mut tempo = Tempo::default();
+        tempo.set(120.0, 0.0, 0.0, 10.0);
+        tempo.hear(ClockMessage::Beat { in_bar: Some(said) }, at_secs);
+        assert_eq!(tempo.bar(next_secs - 0.01, 0.5, false), None, "{said} at {at_secs}");
+        assert!(tempo.bar(next_secs + 0.01, 0.5, false).is_some(), "{said} at {at_secs}");
+    }
+}
+
+#[test]
+fn a_bar_does_not_begin_again_where_its_first_beat_is_heard_late_at_twice_the_tempo() {
+    let mut tempo = Tempo::default();
+    tempo.set(60.0, 0.0, 0.0, 0.0);
+    tempo.double(0.0);
+    // Its bars take two seconds.
+    assert!(tempo.bar(4.1, 0.5, false).is_some());
+    tempo.hear(ClockMessage::Beat { in_bar: Some(1) }, 4.3);
+    assert_eq!(tempo.bar(4.4, 0.5, false), None);
+    assert!((tempo.bar(6.4, 0.5, false).unwrap().at_secs - 6.3).abs() < 1e-9);
 }
 
 #[test]
@@ -182,7 +222,7 @@ fn a_jump_begins_one_bar() {
     let two_bars = ClockMessage::Position { quarters: 8.0 };
     for (jump, octave) in [(ClockMessage::Start, 0), (two_bars, 0), (two_bars, 1), (two_bars, -1)] {
         let mut tempo = Tempo::default();
-        tempo.set(60.0, 0.0, 0.0);
+        tempo.set(60.0, 0.0, 0.0, 0.0);
         tempo.change_octave(octave, 0.0);
         assert!(tempo.bar(10.0, 0.5, false).is_some());
         tempo.hear(jump, 10.5);
@@ -227,7 +267,7 @@ fn lost_ticks_are_counted() {
 #[test]
 fn a_beat_without_a_place_in_its_bar_is_the_first() {
     let mut tempo = Tempo::default();
-    tempo.set(120.0, 0.0, 10.0);
+    tempo.set(120.0, 0.0, 0.0, 10.0);
     tempo.hear(ClockMessage::Beat { in_bar: Some(0) }, 11.0);
     assert_eq!(tempo.beat_in_bar(11.01), Some(1));
 }
@@ -235,7 +275,7 @@ fn a_beat_without_a_place_in_its_bar_is_the_first() {
 #[test]
 fn a_clock_that_was_stopped_goes_on_from_where_it_stood() {
     let mut stopped = Tempo::default();
-    stopped.set(120.0, 3.25, 0.0);
+    stopped.set(120.0, 3.25, 3.0, 0.0);
     stopped.hear(ClockMessage::Stop, 10.0);
     let still = stopped.at(10.0).count;
     assert!((still - 23.25).abs() < 1e-9, "{still}");
@@ -330,6 +370,17 @@ fn beats_that_come_twice_or_not_at_all_leave_tempo_and_place() {
 }
 
 #[test]
+fn a_steady_beat_whose_bar_is_counted_anew_keeps_its_tempo() {
+    let mut tempo = Tempo::default();
+    tempo.hear(ClockMessage::Tempo { bpm: 120.0 }, 10.0);
+    for (i, beat) in [1, 2, 3, 4, 1, 2, 3, 1, 2, 3, 4, 1].into_iter().enumerate() {
+        tempo.hear(ClockMessage::Beat { in_bar: Some(beat) }, 10.0 + 0.5 * i as f64);
+        assert!((tempo.bpm().unwrap() - 120.0).abs() < 1e-6, "{:?} at number {i}", tempo.bpm());
+    }
+    assert_eq!(tempo.beat_in_bar(15.51), Some(1));
+}
+
+#[test]
 fn beats_of_a_bar_that_are_much_slower_are_followed() {
     // All four beats, and bars alone.
     for (every, [before_bpm, after_bpm]) in [(1, [180.0, 45.0]), (4, [120.0, 68.0])] {
@@ -345,7 +396,7 @@ fn beats_of_a_bar_that_are_much_slower_are_followed() {
 #[test]
 fn taps_that_are_much_slower_are_followed() {
     let mut tempo = Tempo::default();
-    tempo.set(120.0, 0.0, 10.0);
+    tempo.set(120.0, 0.0, 0.0, 10.0);
     (0..9).for_each(|i| tempo.hear(ClockMessage::Beat { in_bar: None }, 12.0 + 0.8 * f64::from(i)));
     assert!((tempo.bpm().unwrap() - 75.0).abs() < 0.1, "{:?}", tempo.bpm());
 }

@@ -96,6 +96,25 @@ fn a_mapping_goes_about_as_far_on_any_number_of_bands() {
 }
 
 #[test]
+fn the_calibration_scales_movement_that_is_lifted_too() {
+    let dancer = &octopus().dancer;
+    let mapping = Mapping::direct(&dancer.eigenvalues, BANDS);
+    let level = vec![0.01; BANDS];
+    let reach = |calibration: f32| {
+        let [left, right, mid, side] = [&level; 4];
+        let heard = Bands { left, right, mid, side, side_gain: 1.0, ringing: None };
+        let playing = Playing { calibration, ..Playing::default() };
+        let mut player = Player::new(&mapping, dancer, BANDS, playing).unwrap();
+        let mut item = player.item();
+        player.play(&heard, &mut item).unwrap()
+    };
+    for calibration in [0.02, 0.04, 0.08] {
+        let share = reach(2.0 * calibration) / reach(calibration);
+        assert!((share - 2.0).abs() < 0.02, "{calibration}: {share}");
+    }
+}
+
+#[test]
 fn no_item_of_a_gallery_turns_the_surface_over_at_full_scale() {
     let (full, silence) = (vec![1.0; BANDS], vec![0.0; BANDS]);
     for (form, bred) in
@@ -129,6 +148,25 @@ fn the_limit_holds_where_it_is_not_probed() {
         // leave little way.
         assert!((0.004..0.18 * 1.3).contains(&share), "{form:?}: {share}");
     }
+}
+
+#[test]
+fn the_modal_form_limits_sound_from_either_side_alike() {
+    let ready = head();
+    let (loud, half, silence) = (vec![1.0; BANDS], vec![0.5; BANDS], vec![0.0; BANDS]);
+    let mapping = Mapping::direct(&ready.dancer.eigenvalues, BANDS);
+    let playing = Playing { form: Form::Modal, gain: 4.0, ..Playing::default() };
+    let moved = |left: &[f32], right: &[f32]| {
+        let bands = Bands { left, right, mid: &half, side: &half, side_gain: 1.0, ringing: None };
+        let mut player = Player::new(&mapping, &ready.dancer, BANDS, playing).unwrap();
+        let mut item = player.item();
+        let reach = player.play(&bands, &mut item).unwrap();
+        let chladni_synth::Coefficients::Normal(c) = &item.terms[0].coefficients else { panic!() };
+        (reach, c.iter().map(|c| c.abs()).collect::<Vec<f32>>())
+    };
+    let (from_left, from_right) = (moved(&loud, &silence), moved(&silence, &loud));
+    assert!(from_left.0 > 1.0, "{}", from_left.0);
+    assert_eq!(from_left, from_right);
 }
 
 /// The share of triangles whose normal has turned over.

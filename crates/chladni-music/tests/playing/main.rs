@@ -132,6 +132,28 @@ fn a_channel_alone_moves_its_own_half_and_both_move_both_alike() {
 }
 
 #[test]
+fn the_first_of_two_terms_is_the_left_half_also_where_sides_are_exchanged() {
+    let ready = octopus();
+    let mapping = Mapping::direct(&ready.dancer.eigenvalues, BANDS);
+    let (loud, half, silence) = (vec![1.0; BANDS], vec![0.5; BANDS], vec![0.0; BANDS]);
+    let bands =
+        Bands { left: &loud, right: &silence, mid: &half, side: &half, side_gain: 1.0, ringing: None };
+    for flip_sides in [false, true] {
+        let playing = Playing { flip_sides, ..Playing::default() };
+        let mut player = Player::new(&mapping, &ready.dancer, BANDS, playing).unwrap();
+        let mut item = player.item();
+        player.play(&bands, &mut item).unwrap();
+        let sides = &ready.dancer.sides;
+        let halves = [(&sides.left, !flip_sides), (&sides.right, flip_sides)];
+        for (term, (mask, moves)) in item.terms.iter().zip(halves) {
+            let chladni_synth::Coefficients::Vector(c) = &term.coefficients else { panic!() };
+            assert!(term.mask.as_ref() == Some(mask));
+            assert_eq!(c.iter().any(|c| *c != [0.0; 3]), moves, "exchanged {flip_sides}");
+        }
+    }
+}
+
+#[test]
 fn the_filter_form_keeps_a_mirror_symmetric_shape_symmetric() {
     let ready = octopus();
     let key = |p: [f64; 3]| p.map(|c| (c * 1e5).round() as i64);

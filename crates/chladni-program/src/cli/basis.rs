@@ -22,9 +22,9 @@ use crate::work::{Error, Warning, Watcher, source};
 pub struct Args {
     /// A mesh file or sample:NAME.
     mesh: PathBuf,
-    /// K, the number of harmonics.
-    #[arg(short = 'k', long, value_name = "K", default_value_t = 256)]
-    harmonics: usize,
+    /// K, the number of harmonics [default: 256, or all where there are fewer].
+    #[arg(short = 'k', long, value_name = "K")]
+    harmonics: Option<usize>,
     /// Write `eigenvalues` (K), `eigenvectors` (N×K), `mass` (N) and `operator_vertex` (n:
     /// file vertex → row, −1 where no triangle uses it), in the file's own units.
     /// A name that ends in / is a folder: then each is a .npy file of its own, which NumPy can read in parts
@@ -191,16 +191,16 @@ impl Args {
         let mesh = source::mesh(&self.mesh, terminal)?;
         let named = |error: HarmonicsError| Error::from(error).of(self.mesh.display());
         let settings = BasisSettings {
+            harmonics: self.harmonics.unwrap_or(BasisSettings::default().harmonics),
             laplacian: laplacian(self.paper),
             threads: self.threads,
             whole_clusters: self.whole_clusters,
             memory_bytes: self.memory.map(|gigabytes| (1e9 * gigabytes) as u64),
             scratch: Some(scratch),
-            ..BasisSettings::new(self.harmonics)
         };
         let cache = if self.no_cache { None } else { basis_cache() };
-        let (harmonics, vertices) = (self.harmonics, weld(&mesh).positions.len());
-        if harmonics > vertices && vertices > 0 {
+        let vertices = weld(&mesh).positions.len();
+        if let Some(harmonics) = self.harmonics.filter(|k| *k > vertices && vertices > 0) {
             return Err(named(HarmonicsError::BadHarmonicCount { harmonics, vertices }));
         }
         let wanted =
@@ -219,7 +219,7 @@ impl Args {
             })
             .map_err(named)?;
         for warning in report.warnings(&body.basis.certificate) {
-            terminal.warn(Warning::Plain(warning.to_string()));
+            terminal.warn(Warning::of(self.mesh.display(), warning));
         }
         if report.fell_back_to_dense {
             terminal.warn(Warning::Plain(
@@ -229,7 +229,7 @@ impl Args {
         if report.cuts_cluster {
             terminal.warn(Warning::Plain(format!(
                 "harmonic {} belongs to a group of equal eigenvalues that goes on; --whole-clusters takes all of it",
-                self.harmonics - 1
+                settings.harmonics - 1
             )));
         }
         if let (Some(path), Some(operator)) = (&self.operator, &operator) {

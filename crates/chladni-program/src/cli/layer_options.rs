@@ -8,6 +8,7 @@ use chladni_caricature::{
 };
 use chladni_harmonics::Laplacian;
 use chladni_match::{MatchSettings, Method, Scaling, load_landmarks};
+use chladni_mesh::weld;
 
 use super::Terminal;
 use super::number::number;
@@ -207,6 +208,9 @@ impl LayerOptions {
     }
 
     /// The layer called `name` with these options where χ01 is `painted`, for `project` on `subject`.
+    ///
+    /// # Errors
+    /// Options out of their ranges, or a low-pass that keeps more harmonics than there are.
     pub fn layer(
         &self,
         name: &str,
@@ -216,6 +220,11 @@ impl LayerOptions {
         subject: &Subject,
         terminal: &Terminal,
     ) -> Result<Layer, Error> {
+        if matches!(template, Template::LowPass(_)) {
+            // A small shape has fewer than the project asks for.
+            let most = weld(&subject.mesh).positions.len();
+            template.check_low_pass(project.harmonics.min(most))?;
+        }
         let paper = project.laplacian == Laplacian::Cotangent;
         let usual = if paper { Layer::paper(name, template) } else { Layer::new(name, template) };
         let smoothing = usual.region.smoothing;

@@ -8,7 +8,7 @@ use super::Terminal;
 use super::choice::one_of;
 use super::frames::Size;
 use super::number::number;
-use crate::window::{self, Live, SetOutput, SetTarget, Until};
+use crate::window::{self, Live, SetOutput, SetPlan, SetTarget, Until};
 use crate::work::outputs::{check_apart, check_ffmpeg, check_file};
 use crate::work::{Error, Watcher};
 
@@ -21,6 +21,9 @@ pub struct Open {
     /// Listen to this live input, as the drawer Songs calls it; without a name, to the one that was chosen last.
     #[arg(long, value_name = "NAME", num_args = 0..=1, require_equals = true)]
     live: Option<Option<String>>,
+    /// Lean back: the autopilot takes the stage as soon as the shape is there, for songs and for live input.
+    #[arg(long)]
+    autopilot: bool,
     /// Close by itself after this many seconds of a song, and print as JSON how the frames came and
     /// whether the sound kept in step.
     #[arg(long, value_name = "SECS", value_parser = seconds, requires = "files",
@@ -57,8 +60,8 @@ impl Open {
         };
         let output = self.set_output(until)?;
         let live = self.live.map(|name| name.map_or(Live::Last, Live::Named));
-        let outcome =
-            window::open(self.files, live, until, terminal.draw(), terminal.task().clone(), output)?;
+        let set = SetPlan { live, autopilot: self.autopilot, output };
+        let outcome = window::open(self.files, set, until, terminal.draw(), terminal.task().clone())?;
         outcome.map_or(Ok(()), |outcome| terminal.json(&outcome))
     }
 

@@ -114,6 +114,8 @@ pub struct Divided<'a> {
 const TRIED: usize = 300;
 /// The share of a part's vertices that must be seen for it to have text.
 const LEAST_SEEN: f64 = 0.05;
+/// Vertices of a part that are nearer to each other than this share of its size count as that far apart.
+const NEAR: f32 = 0.02;
 
 impl Divided<'_> {
     /// Vertices of each part that are on the surface, spread over it.
@@ -153,16 +155,20 @@ fn places_of_text(
     samples.iter().map(|samples| middle(samples, pixel_if_seen)).collect()
 }
 
-/// The pixel of the vertex in the middle of those that are seen; `None` of a part that is hidden, or nearly so: its text
-/// would lie on others.
+/// The pixel of the vertex that has most of those that are seen near it: in the middle of a part, or of one of two halves
+/// that lie apart, as eyes do. `None` of a part that is hidden, or nearly so: its text would lie on others.
 fn middle(samples: &[[f32; 3]], pixel_if_seen: impl Fn([f32; 3]) -> Option<[f32; 2]>) -> Option<[f32; 2]> {
     let seen: Vec<[f32; 2]> = samples.iter().filter_map(|p| pixel_if_seen(*p)).collect();
     if (seen.len() as f64) < LEAST_SEEN * samples.len() as f64 {
         return None;
     }
-    let mean = [0, 1].map(|axis| seen.iter().map(|at| at[axis]).sum::<f32>() / seen.len() as f32);
-    let far = |at: &[f32; 2]| (at[0] - mean[0]).hypot(at[1] - mean[1]);
-    seen.into_iter().min_by(|a, b| far(a).total_cmp(&far(b)))
+    let apart = |a: &[f32; 2], b: &[f32; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let first = seen.first()?;
+    let size = seen.iter().map(|at| apart(at, first)).fold(1.0, f32::max);
+    // Of a sum of logarithms, unlike one of distances, the least is not between two halves.
+    let far = |at: &[f32; 2]| seen.iter().map(|other| (apart(at, other) + NEAR * size).ln()).sum::<f32>();
+    let all = seen.iter().map(|at| (far(at), *at));
+    all.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, at)| at)
 }
 
 /// Two cells for a shape: as `from` sees it, and from the opposite side, which shows all that is turned away there.
@@ -181,6 +187,16 @@ mod tests {
     use chladni_mesh::samples::icosphere;
 
     use super::*;
+
+    #[test]
+    fn the_text_of_two_halves_is_on_one_of_them() {
+        let grid = (0..81).map(|i| [3.0 * ((i % 9) as f32 - 4.0), 3.0 * ((i / 9) as f32 - 4.0)]);
+        let halves = grid.flat_map(|[x, y]| [[x - 25.0, y, 0.0], [x + 25.0, y, 0.0]]);
+        let samples: Vec<[f32; 3]> = halves.collect();
+        let [x, y] = middle(&samples, |[x, y, _]| Some([x, y])).unwrap();
+        assert!((x.abs() - 25.0).abs() < 8.0 && y.abs() < 5.0, "{x} {y}");
+        assert_eq!(middle(&[], |[x, y, _]| Some([x, y])), None);
+    }
 
     #[test]
     fn the_text_of_a_part_is_where_it_is_seen() {

@@ -25,8 +25,9 @@ pub struct RegionOptions {
         value_parser = limb)]
     limb: Vec<usize>,
     /// Which parts --limb counts, from 0 (whole limbs) to 1 (small features).
-    #[arg(long, value_name = "X", requires = "limb", default_value_t = Limbs::USUAL_LEVEL,
-        allow_negative_numbers = true, value_parser = parts::level)]
+    // Clap waives what an option requires where that conflicts with what is given: such options are named, too.
+    #[arg(long, value_name = "X", requires = "limb", conflicts_with_all = ["region", "part", "curved", "mask"],
+        default_value_t = Limbs::USUAL_LEVEL, allow_negative_numbers = true, value_parser = parts::level)]
     level: f64,
     /// Act only where the surface bends most: outward (bumps), inward (hollows) or either way (both), and the share of
     /// the surface that this is [default share: 20%].
@@ -38,7 +39,9 @@ pub struct RegionOptions {
     mask: Option<PathBuf>,
     /// Which numbers --mask takes: the array of an .npz, an attribute of a PLY, or red, green, blue or alpha of vertex
     /// colors [default: mask; of a mesh that has none, red; else the only one of the file].
-    #[arg(long, value_name = "NAME", requires = "mask")]
+    // As for the level.
+    #[arg(long, value_name = "NAME", requires = "mask",
+        conflicts_with_all = ["region", "part", "limb", "curved"])]
     mask_channel: Option<String>,
 }
 

@@ -4,6 +4,7 @@ use std::io;
 use std::num::NonZero;
 use std::sync::mpsc::{Sender, channel};
 
+use chladni_harmonics::MOST_THREADS;
 use rayon::{ThreadBuilder, ThreadPoolBuilder};
 
 use crate::work::Warning;
@@ -12,9 +13,12 @@ use crate::work::Warning;
 type Waiting = Sender<ThreadBuilder>;
 
 /// Starts the shared threads: one for each core, or as many as `RAYON_NUM_THREADS` says. Left to itself, the pool would
-/// panic where the system gives fewer, and cannot be built a second time. Then a warning says how many there are.
+/// panic where the system gives fewer, and cannot be built a second time. Then, and where more are asked for than are
+/// possible, a warning says how many there are.
 pub fn start() -> Option<Warning> {
-    let wanted = wanted();
+    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.parse::<usize>().ok());
+    let asked = asked.filter(|number| *number > 0);
+    let wanted = wanted(asked);
     let waiting = as_many(wanted, wait);
     let got = waiting.len();
     let pool = ThreadPoolBuilder::new().num_threads(got.max(1));
@@ -24,15 +28,15 @@ pub fn start() -> Option<Warning> {
     } else {
         pool.spawn_handler(places_for(waiting)).build_global()
     };
-    let why = "the system gives too few";
-    (got < wanted).then(|| Warning::Plain(format!("{} of {wanted} threads are used: {why}", got.max(1))))
+    let asked = asked.unwrap_or(wanted);
+    let why = if got < wanted { "the system gives too few" } else { "more are not possible" };
+    (got < asked).then(|| Warning::Plain(format!("{} of {asked} threads are used: {why}", got.max(1))))
 }
 
-/// As many as the pool would have by itself.
-fn wanted() -> usize {
-    let chosen = std::env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.parse::<usize>().ok());
+/// As many as are `asked` for, within reason, or one for each core.
+fn wanted(asked: Option<usize>) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
-    chosen.filter(|number| *number > 0).unwrap_or_else(cores).min(rayon::max_num_threads())
+    asked.map_or_else(cores, |asked| asked.min(MOST_THREADS)).min(rayon::max_num_threads())
 }
 
 /// As many as are `wanted`; where fewer can be started, half of those, since other work needs threads, too.
@@ -63,6 +67,13 @@ mod tests {
     use std::cell::Cell;
 
     use super::*;
+
+    #[test]
+    fn no_more_threads_are_wanted_than_may_be_asked_for() {
+        let most = MOST_THREADS.min(rayon::max_num_threads());
+        assert_eq!([1, 3, 2000].map(|asked| wanted(Some(asked))), [1, 3, most]);
+        assert!(wanted(None) > 0);
+    }
 
     #[test]
     fn where_the_system_gives_fewer_threads_half_of_them_make_a_pool() {

@@ -1,6 +1,7 @@
 //! Long work in the background: it reports progress, can be cancelled, and never blocks a frame.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread::Builder;
 use std::time::Duration;
 
 use chladni_task::{Progress, Task};
@@ -19,20 +20,33 @@ pub struct Job<T> {
 }
 
 impl<T: Send + 'static> Job<T> {
-    /// Starts `work` and repaints `ctx` when it is done.
+    /// Starts `work` and repaints `ctx` when it is done. Where no thread can begin, that is its result.
     pub fn start(
         label: impl Into<String>,
         ctx: &egui::Context,
         work: impl FnOnce(&Task) -> Result<T, Error> + Send + 'static,
     ) -> Self {
+        Self::on(Builder::new().name("job".into()), label, ctx, work)
+    }
+
+    fn on(
+        thread: Builder,
+        label: impl Into<String>,
+        ctx: &egui::Context,
+        work: impl FnOnce(&Task) -> Result<T, Error> + Send + 'static,
+    ) -> Self {
         let (task, (sender, result)) = (Task::new(), channel());
-        let (worker, ctx) = (task.clone(), ctx.clone());
-        std::thread::spawn(move || {
+        let (worker, refused, repaint) = (task.clone(), sender.clone(), ctx.clone());
+        let begun = thread.spawn(move || {
             // Dropped from right to left, also where the work breaks off: a frame that is woken finds it ended.
-            let (_repaint, sender) = (Repaint(ctx), sender);
+            let (_repaint, sender) = (Repaint(repaint), sender);
             // If the window has dropped the job, nobody receives the result.
             let _ = sender.send(work(&worker));
         });
+        if let Err(why) = begun {
+            let _ = refused.send(Err(Error::other(format!("no thread can begin: {why}"))));
+            ctx.request_repaint();
+        }
         Self { label: label.into(), task, result }
     }
 
@@ -114,6 +128,14 @@ pub fn show_progress<T>(ui: &mut egui::Ui, job: &Job<T>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn work_for_which_no_thread_can_begin_ends_with_the_reason() {
+        // No machine has this much memory for a stack.
+        let thread = Builder::new().stack_size(1 << 62);
+        let job = Job::<()>::on(thread, "Counting", &egui::Context::default(), |_| Ok(()));
+        assert!(matches!(job.ended(), Some(Err(Error::Other(_)))));
+    }
 
     #[test]
     fn the_window_is_repainted_for_work_that_breaks_off() {

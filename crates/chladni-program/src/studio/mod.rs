@@ -61,7 +61,7 @@ pub use file_window::{COMMAND as CHOOSE_FILE, FileWindow, Purpose, Request, open
 pub use folders::Folders;
 pub use handover::Handover;
 pub use measure::{FirstPicture, FrameReport, Measure};
-pub use opening::{Live, Opening, PlayedFrame, SetOutput, SetTarget, Trace, open};
+pub use opening::{Live, Opening, PlayedFrame, SetOutput, SetPlan, SetTarget, Trace, open};
 pub use processor_window::Painter;
 pub use settings::Settings;
 
@@ -133,9 +133,8 @@ impl Studio {
             measure,
             first_picture,
             input,
-            live,
+            set,
             trace,
-            output,
             handover,
             now,
             patience,
@@ -181,9 +180,8 @@ impl Studio {
                 (left.rooms, left.current)
             }
             None => {
-                // Only there can a set be recorded.
-                let current = (live.is_some() || output.is_some()).then_some(MUSIC);
-                let music = music::MusicRoom::listening_to(input, live, trace, output);
+                let current = (set != SetPlan::default()).then_some(MUSIC);
+                let music = music::MusicRoom::beginning(set, input, trace);
                 (vec![Box::new(caricature::CaricatureRoom::waiting(patience)), Box::new(music)], current)
             }
         };
@@ -371,8 +369,16 @@ impl Program for Studio {
             }
             None => self.start_screen(ui),
         }
+        // On stage a question would be in the picture: it is asked once the stage is left. One that is asked while the
+        // stage is about to begin would vanish under the hand.
+        let room = self.current.and_then(|index| self.rooms.get(index));
+        let is_staged = room.is_some_and(|room| room.hides_the_window() || room.will_hide_the_window());
         for index in 0..self.rooms.len() {
-            if self.with_room(&ctx, index, |room, shared| room.show_over(shared)) == Some(true) {
+            let recovers = self.with_room(&ctx, index, |room, shared| {
+                room.show_over(shared);
+                !is_staged && room.recovers(shared)
+            });
+            if recovers == Some(true) {
                 self.current = Some(index);
             }
         }

@@ -33,16 +33,15 @@ const SHORTEST: Duration = Duration::from_secs(10);
 
 /// Opens the window on the start screen, or on `files` where some are given, and returns when it is closed. With a
 /// measure it closes by itself when all is counted, and with a first picture as soon as that is shown; it closes,
-/// too, once `ends` is cancelled. The set goes to `output` from its first picture on. Where the processor draws, it paints
-/// the window, too. If the graphics device is lost, another window goes on with the same rooms.
+/// too, once `ends` is cancelled. The music room begins the `set`. Where the processor draws, it paints the window, too.
+/// If the graphics device is lost, another window goes on with the same rooms.
 pub fn open(
     mut files: Vec<PathBuf>,
-    mut live: Option<Live>,
+    mut set: SetPlan,
     measure: Option<Rc<RefCell<Measure>>>,
     first_picture: Option<Rc<FirstPicture>>,
     draw: Draw,
     ends: Task,
-    mut output: Option<SetOutput>,
 ) -> Result<(), StudioError> {
     if cfg!(target_os = "linux") && !is_set("DISPLAY") && !is_wayland() {
         return Err(StudioError::NoDisplay);
@@ -54,13 +53,12 @@ pub fn open(
             folders: Folders::of_user(),
             chooser: Box::new(SystemDialogs::drawn(draw)),
             files: std::mem::take(&mut files),
-            live: live.take(),
+            set: std::mem::take(&mut set),
             measure: measure.clone(),
             first_picture: first_picture.clone(),
             handover: handover.clone(),
             draw,
             ends: Some(ends.clone()),
-            output: output.take(),
             ..Opening::default()
         })?;
         match handover.reason() {
@@ -85,6 +83,17 @@ fn open_once(opening: Opening) -> Result<(), StudioError> {
     }
     device::open("chladni", viewport, |creation| Ok(Box::new(Studio::new(creation, opening)?)))?;
     Ok(())
+}
+
+/// The set that the music room begins by itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SetPlan {
+    /// The live input that is heard at once.
+    pub live: Option<Live>,
+    /// The autopilot takes the stage as soon as the shape is there.
+    pub autopilot: bool,
+    /// Where the set goes.
+    pub output: Option<SetOutput>,
 }
 
 /// Where the set goes from its first picture on, besides the window.
@@ -144,12 +153,10 @@ pub struct Opening {
     pub first_picture: Option<Rc<FirstPicture>>,
     /// The live input that the music room listens to at once, instead of a song.
     pub input: Option<chladni_sound::Capture>,
-    /// The live input that the music room listens to at once; the window opens in that room.
-    pub live: Option<Live>,
+    /// The set that the music room begins by itself, where there is one; the window opens in that room.
+    pub set: SetPlan,
     /// Records the music room's items in each frame.
     pub trace: Option<Trace>,
-    /// Where the set goes.
-    pub output: Option<SetOutput>,
     /// The rooms that an earlier window left to resume from, and where this one leaves its own if its device is lost.
     pub handover: Handover,
     /// The choice of the device that draws the 3D views.
@@ -173,9 +180,8 @@ impl Default for Opening {
             measure: None,
             first_picture: None,
             input: None,
-            live: None,
+            set: SetPlan::default(),
             trace: None,
-            output: None,
             handover: Handover::default(),
             draw: Draw::Auto,
             ends: None,

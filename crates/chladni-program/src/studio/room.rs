@@ -45,14 +45,21 @@ pub trait Room {
         false
     }
 
-    /// Draws anything that must be seen whichever room is on screen, such as an offer to recover work;
-    /// true asks for the room to be shown.
-    fn show_over(&mut self, _shared: &mut Shared<'_>) -> bool {
+    /// Does what goes on whichever room is on screen, and draws what must be seen then.
+    fn show_over(&mut self, _shared: &mut Shared<'_>) {}
+
+    /// Offers work that a crash left behind, whichever room is on screen; true asks for the room to be shown.
+    fn recovers(&mut self, _shared: &mut Shared<'_>) -> bool {
         false
     }
 
     /// Whether the room wants the whole window for itself now, without the top bar.
     fn hides_the_window(&self) -> bool {
+        false
+    }
+
+    /// Whether it is going to, untouched, as soon as something is ready.
+    fn will_hide_the_window(&self) -> bool {
         false
     }
 

@@ -61,24 +61,34 @@ pub fn unread(path: &Path) -> FileRef {
 /// # Errors
 /// [`Error::Input`] where there is no such file.
 pub fn resolve(file: &FileRef, folder: Option<&Path>) -> Result<(PathBuf, Option<Warning>), Error> {
+    let found = find(file, folder)?;
+    let warning = changed_since(&found, file);
+    Ok((found, warning))
+}
+
+/// The path of a file that a show in `folder` names, without reading it.
+///
+/// # Errors
+/// [`Error::Input`] where there is no such file.
+pub fn find(file: &FileRef, folder: Option<&Path>) -> Result<PathBuf, Error> {
     let named = Path::new(&file.path);
     if ShapeSource::sample_name(named).is_some() {
-        return Ok((named.to_owned(), None));
+        return Ok(named.to_owned());
     }
     let in_folder = |name: &Path| folder.map(|folder| folder.join(name));
     let beside = named.file_name().and_then(|name| in_folder(Path::new(name)));
     // Elsewhere, a path from Windows is one name.
     let of_windows = file.path.rsplit(['/', '\\']).next().and_then(|name| in_folder(Path::new(name)));
     let places = [in_folder(named), Some(named.to_owned()), beside, of_windows];
-    let Some(found) = places.into_iter().flatten().find(|path| path.is_file()) else {
-        return Err(Error::Input(format!(
-            "{}: the file of this show is not there, nor beside the show",
-            file.path
-        )));
-    };
-    let other = file.blake3.is_some() && known_hash(&found) != file.blake3;
-    let warning = other.then(|| Warning::of(found.display(), "is not the file that the show was made with"));
-    Ok((found, warning))
+    places.into_iter().flatten().find(|path| path.is_file()).ok_or_else(|| {
+        Error::Input(format!("{}: the file of this show is not there, nor beside the show", file.path))
+    })
+}
+
+/// A warning where what was found is not the file that a show was made with; reads the file.
+pub fn changed_since(found: &Path, named: &FileRef) -> Option<Warning> {
+    let other = named.blake3.is_some() && known_hash(found) != named.blake3;
+    other.then(|| Warning::of(found.display(), "is not the file that the show was made with"))
 }
 
 /// Where a file that a show in `folder` names would lie; of one that is not there now, but may come back.

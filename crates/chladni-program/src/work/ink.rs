@@ -58,6 +58,9 @@ impl<'a> Inked<'a> {
     }
 }
 
+/// What moved less than this share of the largest coordinate was only rounded.
+const ROUNDED: f64 = 1e-6;
+
 impl Pen {
     /// The most detail that can be asked for.
     pub const MOST_DETAIL: f64 = 10.0;
@@ -82,10 +85,13 @@ impl Pen {
     /// As [`Plate::new`].
     pub fn plates(&self, shapes: &[Inked<'_>], triangles: &[[u32; 3]]) -> Result<Vec<Plate>, ViewError> {
         let farthest = shapes.iter().flat_map(|shape| &shape.moved).copied().fold(0.0, f64::max);
+        let coordinates = shapes.iter().flat_map(|shape| shape.positions.as_flattened());
+        let largest = f64::from(coordinates.fold(0.0, |largest: f32, c| largest.max(c.abs())));
+        let is_moved = farthest > ROUNDED * largest;
         let plates = shapes.iter().map(|Inked { positions, moved }| {
             let exact: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
             let plate = Plate::new(&exact, triangles, self.smoothing)?;
-            if !self.exaggeration || farthest <= 0.0 {
+            if !self.exaggeration || !is_moved {
                 return Ok(plate);
             }
             let weight = |v: usize| (0.55 + 1.1 * moved.get(v).copied().unwrap_or(0.0) / farthest) as f32;
@@ -126,6 +132,26 @@ mod tests {
         let mut hatched = usual.toned(2);
         hatched.ink.hatching = 0.7;
         assert_eq!((hatched.toned(4).ink.hatching, hatched.toned(4).ink.tones), (0.7, 4));
+    }
+
+    #[test]
+    fn lines_of_a_shape_that_is_only_rounded_keep_their_width() {
+        let ball = chladni_mesh::samples::icosphere(2);
+        // No f32 is a third.
+        let rest: Vec<[f64; 3]> = ball.positions.iter().map(|p| p.map(|x| x / 3.0)).collect();
+        let rounded = single(&rest);
+        let strokes = |pen: Pen| {
+            let shape = Inked::moved(&rounded, rest.iter().copied());
+            assert!(shape.moved.iter().any(|moved| *moved > 0.0));
+            let mut camera = Camera::looking(View::Front);
+            camera.fit(rounded.iter().copied(), 1.0, 0.9);
+            let plates = pen.plates(&[shape], &ball.triangles).unwrap();
+            let strokes = plates[0].outlines(&pen.ink, &camera, Rect::of_size(200, 200));
+            strokes.iter().flat_map(|s| &s.points).map(|p| p.width).collect::<Vec<f64>>()
+        };
+        let plain = strokes(Pen::default());
+        assert!(!plain.is_empty());
+        assert_eq!(strokes(Pen { exaggeration: true, ..Pen::default() }), plain);
     }
 
     #[test]

@@ -159,6 +159,8 @@ pub fn needed_by(parameter: Parameter) -> Option<(Switch, bool)> {
         | Parameter::Strike
         | Parameter::Hold => Some((Switch::Resonate, true)),
         Parameter::Grains | Parameter::GrainSize => Some((Switch::Sand, true)),
+        Parameter::TurnRad => Some((Switch::BeatTurns, true)),
+        Parameter::LightSwingRad | Parameter::LightPulse => Some((Switch::BeatLights, true)),
         _ => None,
     }
 }
@@ -171,6 +173,8 @@ pub fn idle(parameters: &Parameters, parameter: Parameter, voices: bool) -> Opti
             Switch::OwnMu => Some("Each dance has its own µ now (see Hearing)."),
             Switch::Resonate => Some("Nothing resonates now (see Hearing)."),
             Switch::Sand => Some("There is no sand now (see Experiment)."),
+            Switch::BeatTurns => Some("The shape does not turn now (see On the beat)."),
+            Switch::BeatLights => Some("The lights do not move now (see On the beat)."),
             _ => None,
         }
     };
@@ -191,6 +195,19 @@ mod tests {
             SWITCHES.iter().flat_map(|(_, rows)| rows.iter().map(|row| row.0)).collect();
         switches.sort();
         assert_eq!(switches, Switch::ALL);
+    }
+
+    #[test]
+    fn knobs_of_turns_and_lights_rest_while_nothing_follows_the_beat() {
+        for (switch, knobs) in [
+            (Switch::BeatTurns, &[Parameter::TurnRad][..]),
+            (Switch::BeatLights, &[Parameter::LightSwingRad, Parameter::LightPulse][..]),
+        ] {
+            let mut parameters = Parameters::default();
+            assert!(knobs.iter().all(|knob| idle(&parameters, *knob, false).is_none()));
+            parameters.switch(switch, false);
+            assert!(knobs.iter().all(|knob| idle(&parameters, *knob, false).is_some()));
+        }
     }
 
     #[test]

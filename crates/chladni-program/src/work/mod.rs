@@ -87,8 +87,8 @@ pub use ear::{BeatCount, Ear};
 pub use error::{Error, Warning};
 pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
 pub use files::{
-    file_hash, is_hidden, is_lost, known_hash, placed, refer, refer_looks, resolve, resolve_looks,
-    shown_name, unread,
+    changed_since, file_hash, find, is_hidden, is_lost, known_hash, placed, refer, refer_looks, resolve,
+    resolve_looks, shown_name, unread,
 };
 pub use frame_guard::FrameGuard;
 pub use furthest::{MAY_FOLD, furthest_mu};
@@ -100,7 +100,7 @@ pub use lag::Lag;
 #[cfg(feature = "desktop")]
 pub use lettering::Lettering;
 pub use live_back_film::LiveBackFilm;
-pub use opening_look::{opening_looks, opening_view};
+pub use opening_look::{look_under_sand, opening_looks, opening_view};
 pub use own_look::{OwnLook, OwnPaint, texture_colors};
 pub use parts::{Parts, body_of_limbs, twins_of};
 pub use piece::{Piece, Share};

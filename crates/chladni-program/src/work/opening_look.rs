@@ -4,8 +4,9 @@ use std::path::Path;
 
 use chladni_mesh::ShapeSource;
 use chladni_music::{Looks, Viewpoint};
+use chladni_view::Look;
 
-use super::{FIRST_VIEW, first_looks};
+use super::{FIRST_VIEW, first_looks, look_named};
 
 /// Samples that are not seen in the default way: a look, or material, lights and background; yaw and pitch in
 /// radians.
@@ -43,6 +44,17 @@ pub fn opening_looks(body: &str) -> Looks {
     }
 }
 
+/// The look of a film's flat sheet on which sand lies: that of the sample plate in the place of the one in which most shapes
+/// open, whose colors change below the sand; any other stays.
+pub fn look_under_sand(look: Look) -> Look {
+    let (first, _) = look_named(&first_looks());
+    if look != (Look { finish: look.finish, ..first }) {
+        return look;
+    }
+    let (plate, _) = look_named(&opening_looks("sample:plate"));
+    plate.in_place_of(&look)
+}
+
 fn own(body: &str) -> Option<(&'static str, &'static [&'static str], [f32; 2])> {
     let name = ShapeSource::sample_name(Path::new(body))?;
     OWN.into_iter().find(|(known, ..)| *known == name)
@@ -50,8 +62,9 @@ fn own(body: &str) -> Option<(&'static str, &'static [&'static str], [f32; 2])> 
 
 #[cfg(test)]
 mod tests {
+    use chladni_view::Effect;
+
     use super::*;
-    use crate::work::look_named;
 
     #[test]
     fn every_own_look_is_of_a_sample_and_there() {
@@ -62,5 +75,18 @@ mod tests {
         }
         assert_eq!(opening_view("sample:octopus"), FIRST_VIEW);
         assert_eq!(opening_looks("plate.obj"), first_looks());
+    }
+
+    #[test]
+    fn sand_on_a_sheet_lies_in_the_look_of_the_plate_unless_another_is_chosen() {
+        let plate = look_named(&opening_looks("sample:plate")).0;
+        assert_eq!(look_under_sand(Look::AURORA), plate);
+        assert_eq!((look_under_sand(plate), look_under_sand(Look::EMBER)), (plate, Look::EMBER));
+        let own = Look { own_colors: true, ..Look::AURORA };
+        assert_eq!(look_under_sand(own), own);
+        // What is left out of all looks is left out of this one, too.
+        let finish = Look::AURORA.finish.without(Effect::Trails);
+        let calm = look_under_sand(Look { finish, ..Look::AURORA });
+        assert_eq!((calm.material, calm.finish.left_out), (plate.material, finish.left_out));
     }
 }

@@ -142,8 +142,10 @@ fn entries(text: &str, folder: &Path) -> Vec<PathBuf> {
     lines(text)
         .map(|line| {
             let as_written = folder.join(&*line);
-            // Lists of other systems.
-            if as_written.is_file() { as_written } else { folder.join(line.replace('\\', "/")) }
+            // Lists of other systems, and of VLC, which writes names as in addresses.
+            let others = [line.replace('\\', "/"), chladni_task::percent_decoded(&line)];
+            let mut paths = [as_written.clone()].into_iter().chain(others.map(|line| folder.join(line)));
+            paths.find(|path| path.is_file()).unwrap_or(as_written)
         })
         .collect()
 }
@@ -232,14 +234,15 @@ mod tests {
         let root = folder.path().to_str().unwrap().replace('\\', "/");
         let root = root.trim_start_matches('/');
         let text = format!(
-            "file:///{root}/a%20b.mp3\nfile://localhost/{root}/a%20b.mp3\nfile:///{root}/c%2520d.mp3\nc%20d.mp3\n"
+            "file:///{root}/a%20b.mp3\nfile://localhost/{root}/a%20b.mp3\nfile:///{root}/c%2520d.mp3\nc%20d.mp3\na%20b.mp3\n"
         );
         let list = folder.path().join("set.m3u8");
         std::fs::write(&list, &text).unwrap();
         let found = songs_of(&list).unwrap();
-        assert_eq!(names(&found, folder.path()), ["a b.mp3", "a b.mp3", "c%20d.mp3", "c%20d.mp3"]);
+        assert_eq!(names(&found, folder.path()), ["a b.mp3", "a b.mp3", "c%20d.mp3", "c%20d.mp3", "a b.mp3"]);
         assert_eq!(found.warning, None);
-        assert_eq!(names_in(text.as_bytes()), ["a b.mp3", "a b.mp3", "c%20d.mp3", "c%20d.mp3"]);
+        let named = ["a b.mp3", "a b.mp3", "c%20d.mp3", "c%20d.mp3", "a%20b.mp3"];
+        assert_eq!(names_in(text.as_bytes()), named);
         let of_windows = "file:///C:/My%20Music/zw%C3%B6lf.mp3\nfile://localhost/c:/x.mp3\nfile:///C/x.mp3";
         let paths: Vec<_> = lines(of_windows).collect();
         assert_eq!(paths, ["C:/My Music/zw\u{f6}lf.mp3", "c:/x.mp3", "/C/x.mp3"]);

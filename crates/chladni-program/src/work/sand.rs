@@ -5,13 +5,17 @@ use std::sync::Arc;
 use chladni_harmonics::Body;
 use chladni_music::{Ensemble, Instrument, Mapping, Parameter, SAND_STEP_SECS, Sand, Settings, Switch, Tray};
 use chladni_synth::Item;
-use chladni_view::{Grain, Grains};
+use chladni_view::{Grain, Grains, Look};
 use rayon::prelude::*;
 
 use super::{Error, Hearing};
 
-/// Color of the grains, sRGB.
-const COLOR: [u8; 3] = [240, 220, 178];
+/// Color of the grains on dark surfaces, sRGB.
+const LIGHT: [u8; 3] = [240, 220, 178];
+/// Their color on light ones.
+const DARK: [u8; 3] = [38, 30, 24];
+/// Relative luminance of a surface with which both colors contrast alike.
+const MIDDLE: f32 = 0.17;
 /// A film that begins in the middle of a show begins with sand poured this long before.
 pub const BEFORE_SECS: f64 = 5.0;
 /// The most steps that are caught up; after a longer wait the sand goes on from now.
@@ -122,8 +126,14 @@ impl SandTable {
         self.sands.par_iter_mut().zip(items).for_each(|(sand, item)| sand.step(item, full));
     }
 
-    /// The grains to draw now on each item; empty where there is no sand.
-    pub fn drawn(&mut self) -> Vec<Grains<'_>> {
+    /// The grains to draw now on each item, in a color that stands out in this look; empty where there is no sand. The look
+    /// should be that of the show, not as it answers to the sound: else grains could change their color while it plays.
+    pub fn drawn(&mut self, look: &Look) -> Vec<Grains<'_>> {
+        if self.sands.is_empty() {
+            self.grains.clear();
+            return Vec::new();
+        }
+        let color = color_on(look);
         let grain = |grain: chladni_music::Grain| {
             let chladni_music::Grain { corners, weights, lift } = grain;
             Grain { corners, weights, lift }
@@ -132,7 +142,7 @@ impl SandTable {
         for (grains, sand) in self.grains.iter_mut().zip(&self.sands) {
             sand.grains().map(grain).collect_into_vec(grains);
         }
-        let of = |grains| Grains { grains, radius: self.radius, color: COLOR };
+        let of = |grains| Grains { grains, radius: self.radius, color };
         self.grains.iter().map(|grains| of(&grains[..])).collect()
     }
 
@@ -144,6 +154,11 @@ impl SandTable {
     }
 }
 
+/// The color of grains that stands out in a look.
+fn color_on(look: &Look) -> [u8; 3] {
+    if look.surface_luminance() > MIDDLE { DARK } else { LIGHT }
+}
+
 #[cfg(test)]
 mod tests {
     use chladni_harmonics::BasisSettings;
@@ -151,6 +166,7 @@ mod tests {
     use chladni_music::{Action, Dancer, GalleryShape, Moment, Stretch, Symmetry, experiment};
     use chladni_sound::sample_tune;
     use chladni_task::Task;
+    use chladni_view::Material;
 
     use super::*;
     use crate::work::KnownSong;
@@ -189,6 +205,20 @@ mod tests {
     }
 
     #[test]
+    fn grains_stand_out_in_every_look() {
+        let luminance = |color| {
+            let material = Material { color, ..Material::CLAY };
+            Look { material, answer: None, ..Look::PLAIN }.surface_luminance()
+        };
+        for (name, look) in Look::PRESETS {
+            let (grains, surface) = (luminance(color_on(&look)), look.surface_luminance());
+            // As WCAG 2.2 defines it.
+            let contrast = (grains.max(surface) + 0.05) / (grains.min(surface) + 0.05);
+            assert!(contrast > 4.0, "{name}: {contrast}");
+        }
+    }
+
+    #[test]
     fn the_same_grains_lie_there_at_any_frame_rate_until_they_are_swept() {
         let (body, dancer, mut instrument) = stage();
         let run = |instrument: &Instrument, fps: u32| {
@@ -199,7 +229,7 @@ mod tests {
                 table.follow(&mut hearing, &mut ensemble, instrument, None, at_secs).unwrap();
                 hearing.hear(at_secs).unwrap();
             }
-            (table.drawn()[0].grains.to_vec(), table)
+            (table.drawn(&Look::AURORA)[0].grains.to_vec(), table)
         };
         let (often, mut table) = run(&instrument, 50);
         assert_eq!(often.len(), 2000);
@@ -208,10 +238,10 @@ mod tests {
         instrument.apply(Moment::default(), Action::Sweep).unwrap();
         let (mut hearing, mut ensemble) = (hearing(&instrument), Ensemble::new(dancer));
         table.follow(&mut hearing, &mut ensemble, &instrument, None, 2.1).unwrap();
-        assert!(table.version() != version && table.drawn()[0].grains != before);
+        assert!(table.version() != version && table.drawn(&Look::AURORA)[0].grains != before);
         instrument.apply(Moment::default(), Action::Switch { switch: Switch::Sand, on: false }).unwrap();
         table.follow(&mut hearing, &mut ensemble, &instrument, None, 2.2).unwrap();
-        assert!(table.drawn().is_empty());
+        assert!(table.drawn(&Look::AURORA).is_empty());
     }
 
     #[test]
@@ -224,7 +254,7 @@ mod tests {
                 let at_secs = until_secs * f64::from(step) / 20.0;
                 table.follow(&mut hearing, &mut ensemble, &instrument, None, at_secs).unwrap();
             }
-            table.drawn()[0].grains.to_vec()
+            table.drawn(&Look::AURORA)[0].grains.to_vec()
         };
         let first = dance(0.5);
         assert_ne!(dance(2.0), first);
@@ -255,7 +285,7 @@ mod tests {
         let (mut hearing, mut ensemble) = (hearing(&instrument), Ensemble::new(dancer));
         let mut table = SandTable::new(body, 0.0);
         table.follow(&mut hearing, &mut ensemble, &instrument, None, 2.0).unwrap();
-        let drawn = table.drawn();
+        let drawn = table.drawn(&Look::AURORA);
         assert_eq!(drawn.len(), instrument.gallery().items().len());
         let each = (2000.0 / drawn.len() as f32).round() as usize;
         assert!(drawn.iter().all(|sand| sand.grains.len() == each));
@@ -264,7 +294,7 @@ mod tests {
         let genome = &instrument.gallery().items()[3].genome;
         let solo = (genome.clone(), Settings::default());
         table.follow(&mut hearing, &mut ensemble, &instrument, Some(&solo), 2.1).unwrap();
-        let drawn = table.drawn();
+        let drawn = table.drawn(&Look::AURORA);
         assert_eq!((drawn.len(), drawn[0].grains.len()), (1, 2000));
     }
 }

@@ -42,9 +42,6 @@ pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Er
 /// # Errors
 /// As [`shape`] does.
 pub fn loaded(source: &ShapeSource, watcher: &impl Watcher) -> Result<Loaded, Error> {
-    if source.to_string() == TUNE {
-        return Err(Error::Input(format!("{TUNE}: is a song, not a shape")));
-    }
     let loaded = watcher.watch("reading the mesh", |_| source.load(None));
     let loaded = loaded.map_err(|error| explained(source, error))?;
     warn_of_repairs(source, &loaded, watcher);
@@ -53,6 +50,9 @@ pub fn loaded(source: &ShapeSource, watcher: &impl Watcher) -> Result<Loaded, Er
 
 /// The error of reading `source`, with what may have been meant by its name.
 pub fn explained(source: &ShapeSource, error: MeshError) -> Error {
+    if source.to_string() == TUNE {
+        return Error::Input(format!("{TUNE}: is a song, not a shape"));
+    }
     let Some((file, name)) = source.file().and_then(|file| Some((file, file.to_str()?))) else {
         return error.into();
     };
@@ -203,7 +203,9 @@ fn read_song(name: &Path, options: &SongOptions, watcher: &impl Watcher) -> Resu
     check_stretch(start_secs, duration_secs)?;
     if let Some(sample) = ShapeSource::sample_name(name) {
         if name.as_os_str() != TUNE {
-            return Err(Error::Input(format!("there is no sample {sample}: tune is a song")));
+            let is_shape = SAMPLES.contains(&sample) || portrait_sliders(sample).is_some();
+            let why = if is_shape { "is a shape, not a song" } else { "there is no such song" };
+            return Err(Error::Input(format!("sample:{sample}: {why}; {TUNE} is one")));
         }
         return stretch(sample_tune(), start_secs, duration_secs);
     }

@@ -47,10 +47,12 @@ pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>, cell: Rect) -> V
     let wanted_px = DOT * cell.width.min(cell.height) as f32;
     let radius_px = wanted_px.max(LEAST_DOT_PX);
     // Fewer, where they cannot be as small as wanted.
-    let most = (DOTS as f32 * (wanted_px / radius_px).powi(2)) as usize;
-    let step = positions.len().div_ceil(most.max(1)).max(1);
-    let dot = |position| Marker { position, radius_px, color: [0, 0, 0, 255] };
-    positions.step_by(step).map(dot).collect()
+    let all = positions.len().min(DOTS) as f32;
+    let most = (all * (wanted_px / radius_px).powi(2)).round().max(1.0) as u64;
+    let len = positions.len() as u64;
+    let dot = |(_, position)| Marker { position, radius_px, color: [0, 0, 0, 255] };
+    // Every (len / most)th, which need not be a whole number.
+    (0_u64..).zip(positions).filter(|(v, _)| v * most % len < most).map(dot).collect()
 }
 
 /// The effect of the beat on the picture; it fades together with a jump in the song.
@@ -562,13 +564,18 @@ mod tests {
 
     #[test]
     fn dots_cover_the_same_share_of_a_cell_of_any_size() {
-        let share = |side: u32| {
-            let dots = dots((0..10_000).map(|i| [i as f32, 0.0, 0.0]), Rect::of_size(2 * side, side));
+        let share = |vertices: u16, side: u32| {
+            let positions = (0..vertices).map(|i| [f32::from(i), 0.0, 0.0]);
+            let dots = dots(positions, Rect::of_size(2 * side, side));
             assert!(dots.iter().all(|dot| dot.radius_px >= LEAST_DOT_PX));
             dots.iter().map(|dot| dot.radius_px.powi(2)).sum::<f32>() / (side as f32).powi(2)
         };
-        for side in [60, 240, 480, 2160] {
-            assert!((share(side) / share(720) - 1.0).abs() < 0.15, "{side}");
+        // Few vertices, hardly more than there are dots, and many.
+        for vertices in [400, 3000, 10_000] {
+            for side in [60, 240, 480, 2160] {
+                let ratio = share(vertices, side) / share(vertices, 720);
+                assert!((ratio - 1.0).abs() < 0.03, "{vertices} at {side}: {ratio}");
+            }
         }
         assert_eq!(dots([[0.0; 3]].into_iter(), Rect::default()).len(), 1);
     }

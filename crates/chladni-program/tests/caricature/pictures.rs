@@ -116,15 +116,15 @@ fn a_picture_that_fails_does_not_take_the_mesh_with_it() {
 fn a_picture_shows_the_panels_asked_for_in_a_row_for_each_mu() {
     let desk = Desk::new();
     desk.ok(
-        "caricature shape.obj ellipsoid -o out.ply --harmonics 32 --region 13,0,0,2 --render p.png --size 700x200 \
+        "caricature shape.obj ellipsoid -o out.ply --harmonics 32 --region 13,0,0,2 --render p.png --size 1400x400 \
          --show painted,region,coordinate,normal,distance,rest,after --sweep=-0.3,-3",
     );
     let bytes = std::fs::read(desk.path("p.png")).unwrap();
     let picture = chladni_view::Picture::decode(&bytes).unwrap();
-    assert_eq!((picture.width, picture.height), (700, 200));
+    assert_eq!((picture.width, picture.height), (1400, 400));
     let panel = |row: u32, column: u32| -> Vec<[u8; 4]> {
-        let pixels = (0..100).flat_map(|y| (0..100).map(move |x| (x, y)));
-        pixels.map(|(x, y)| picture.pixel(100 * column + x, 100 * row + y).unwrap()).collect()
+        let pixels = (0..200).flat_map(|y| (0..200).map(move |x| (x, y)));
+        pixels.map(|(x, y)| picture.pixel(200 * column + x, 200 * row + y).unwrap()).collect()
     };
     // χ01 and χ lie on the shape, which μ does not change; the results differ, from row to row and
     // from model to model.

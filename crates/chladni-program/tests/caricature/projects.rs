@@ -138,6 +138,20 @@ fn options_for_matching_are_for_templates_that_are_meshes() {
 }
 
 #[test]
+fn a_low_pass_that_keeps_more_harmonics_than_there_are_comes_into_no_project() {
+    let desk = Desk::new();
+    // As many as the project asks for, or as the shape has vertices.
+    for (asked, most) in [(8, 8), (2000, 642)] {
+        desk.ok(&format!("project new shape.obj -o {asked}.chladni -k {asked}"));
+        let add = format!("project add-layer {asked}.chladni --template self:lowpass");
+        let said = desk.refused(&format!("{add}={}", most + 1));
+        assert!(said.contains(&format!("a low-pass keeps is {}", most + 1)), "{said}");
+        desk.ok(&format!("{add}={most}"));
+        assert_eq!(desk.ok(&format!("project show {asked}.chladni")).lines().count(), 2);
+    }
+}
+
+#[test]
 fn a_project_is_not_started_over_another() {
     let desk = Desk::new();
     desk.ok("project new shape.obj -o p.chladni -k 16");
@@ -237,8 +251,13 @@ fn a_list_for_a_batch_names_what_lies_beside_it_and_is_no_mesh() {
     std::fs::write(desk.path("many/list.txt"), "# one lump\na.obj\n").unwrap();
     desk.ok("caricature --recipe p.chladni --batch many/list.txt -o out");
     assert!(desk.path("out/a.obj").exists());
+    std::fs::write(desk.path("list.txt"), "many\\a.obj\n").unwrap();
+    desk.ok("caricature --recipe p.chladni --batch list.txt -o of-windows");
+    assert!(desk.path("of-windows/a.obj").exists());
     let said = desk.refused("caricature --recipe p.chladni --batch shape.obj -o out");
     assert!(said.contains("shape.obj: is a mesh") && said.lines().count() == 1, "{said}");
+    let said = desk.refused("caricature --recipe p.chladni --batch p.chladni -o out");
+    assert!(said.contains("p.chladni: is a caricature project") && said.lines().count() == 1, "{said}");
     let said = desk.refused("caricature --recipe p.chladni --batch absent.obj -o out");
     assert!(said.contains("absent.obj") && !said.contains("is a mesh"), "{said}");
 }

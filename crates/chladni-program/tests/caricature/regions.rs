@@ -103,6 +103,10 @@ fn a_mask_goes_out_and_comes_in_again_by_every_kind_of_file() {
         ("mask me.chladni --curved bumps -o x.npy", "brings its regions along"),
         ("mask shape.obj --curved bumps:0% -o x.npy", "share of the surface"),
         ("mask shape.obj --mask-channel red -o x.npy", "--mask"),
+        ("mask shape.obj --curved bumps --mask-channel red -o x.npy", "--mask-channel"),
+        ("mask shape.obj --limb 1 --mask-channel red -o x.npy", "--mask-channel"),
+        ("mask shape.obj --region 13,0,0,2 --level 0.1 -o x.npy", "--level"),
+        ("mask shape.obj --mask m.npy --level 0.1 -o x.npy", "--level"),
     ] {
         assert!(desk.refused(line).contains(said), "{line}");
     }

@@ -203,6 +203,18 @@ fn harmonics_are_exported_for_numpy_and_cached() {
 }
 
 #[test]
+fn a_small_mesh_gets_all_the_harmonics_it_has_unless_more_are_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let shape = folder.path().join("small.obj");
+    std::fs::write(&shape, OCTAHEDRON).unwrap();
+    let run = Run::of(&["basis", text(&shape), "--json"]).succeeded();
+    assert_eq!(run.json()["harmonics"], 6);
+    let said = run.stderr();
+    assert!(said.contains("small.obj: has 6 vertices; 6 harmonics instead of 256"), "{said}");
+    Run::of(&["basis", text(&shape), "-k", "7"]).refused("small.obj");
+}
+
+#[test]
 fn harmonics_that_do_not_fit_in_memory_are_kept_on_disk_and_written_in_parts() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, parts] = [folder.path().join("whole"), folder.path().join("parts")];

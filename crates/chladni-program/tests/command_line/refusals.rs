@@ -311,6 +311,9 @@ fn what_stands_in_the_place_of_something_else_is_named() {
         .refused("is a caricature: give it as MESH");
     Run::of(&["dance", "sample:tune", "sample:bell", "-o", gif])
         .refused("sample:tune: is a song, not a shape");
+    Run::of(&["info", "sample:tune"]).refused("sample:tune: is a song, not a shape");
+    Run::of(&["dance", "sample:bell", "sample:head", "-o", gif])
+        .refused("sample:head: is a shape, not a song; sample:tune is one");
     Run::of(&["dance", "sample:cat", "sample:tune", "-o", "never.mkv"]).refused("for a folder use --frames");
     std::fs::write(file, "").unwrap();
     Run::of(&["demo", "-o", file]).refused("is a file");

@@ -1,6 +1,8 @@
 //! The autopilot: when it takes over, and its keys.
 
 use chladni_music::{Action, Form, GalleryShape, Instrument, Moment, Parameter};
+use chladni_program::studio::SetPlan;
+use chladni_sound::Capture;
 
 use super::clocks::packet;
 use super::*;
@@ -194,6 +196,61 @@ fn it_does_all_its_actions_or_none_where_the_flash_guard_holds_the_stage_back() 
     let whole =
         actions.windows(2).filter(|pair| matches!(pair, [Action::Take { .. }, Action::Perform { .. }]));
     assert!(begun > 0 && whole.count() == begun, "{actions:?}");
+}
+
+#[test]
+fn it_begins_at_once_on_live_input_where_the_window_opens_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let [ball, _] = ball_and_song(folder.path());
+    let (input, _feed) = Capture::fed(44_100).unwrap();
+    let trace = Trace::default();
+    let opening = Opening {
+        folders: folders(folder.path()),
+        files: vec![ball],
+        set: SetPlan { autopilot: true, ..SetPlan::default() },
+        input: Some(input),
+        trace: Some(trace.clone()),
+        now: no_time,
+        ..Opening::default()
+    };
+    let mut window = open_with(opening, Harness::builder().with_size([1000.0, 640.0]));
+    wait(&mut window, "the stage", |_| trace.borrow().last().is_some_and(|frame| frame.on_stage));
+    window.run_steps(3);
+    // The key ends it, and it does not begin again.
+    press(&mut window, Key::A);
+    wait(&mut window, "the gallery", |w| shows(w, "12 items"));
+    window.run_steps(5);
+    assert!(shows(&window, "12 items"));
+}
+
+#[test]
+fn what_a_crash_left_is_asked_about_once_the_stage_is_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let recovery = folder.path().join("recovery");
+    std::fs::create_dir(&recovery).unwrap();
+    std::fs::write(recovery.join("show-1-0.toml"), "format_version = 1\nseed = 3\nsize = 6\n").unwrap();
+    let [ball, _] = ball_and_song(folder.path());
+    let (input, _feed) = Capture::fed(44_100).unwrap();
+    let trace = Trace::default();
+    let opening = Opening {
+        folders: Folders { recovery: Some(recovery), ..folders(folder.path()) },
+        files: vec![ball],
+        set: SetPlan { autopilot: true, ..SetPlan::default() },
+        input: Some(input),
+        trace: Some(trace.clone()),
+        now: no_time,
+        ..Opening::default()
+    };
+    let asks = |window: &Window| shows(window, "The last show did not end well");
+    let mut window = open_with(opening, Harness::builder().with_size([1000.0, 640.0]));
+    wait(&mut window, "the stage", |window| {
+        assert!(!asks(window), "it would vanish with the stage");
+        trace.borrow().last().is_some_and(|frame| frame.on_stage)
+    });
+    window.run_steps(3);
+    assert!(!asks(&window), "it lies on the stage");
+    press(&mut window, Key::A);
+    wait(&mut window, "the question", asks);
 }
 
 /// Each frame's clock is given, so that no machine is too slow or too fast for it.

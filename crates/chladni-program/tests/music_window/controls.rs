@@ -89,6 +89,16 @@ fn a_fader_is_learned_over_osc_and_remembered() {
     assert!(kept.contains("/1/f") && kept.contains("gain"), "{kept}");
 }
 
+#[test]
+fn a_sample_is_opened_from_the_menu() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
+    for control in ["file", "samples", "sample/disc"] {
+        click(&mut window, control);
+    }
+    wait(&mut window, "the disc", |w| shows(w, "Opening"));
+}
+
 /// Taking a picture fails where something on it has no name of its own.
 #[test]
 fn everything_in_a_menu_has_a_name_and_keys_act_on_the_dance_that_has_the_focus() {

@@ -362,7 +362,6 @@ fn layers_are_named_hidden_soloed_and_moved_by_hand() {
     person.wait("the match", |window| !driving::shows(window, "Matching"));
     person.press(Key::F2);
     person.0.run_steps(2);
-    person.press_with(CTRL, Key::A);
     person.0.event(egui::Event::Text("Round".into()));
     person.press(Key::Enter);
     assert!(person.sees("Layer Round"));

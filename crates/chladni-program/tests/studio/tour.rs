@@ -36,7 +36,7 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     assert!(person.sees("Layer Own detail 2"));
     person.click_at(person.place_of("layer/1").center());
     person.press(Key::V);
-    person.0.run_steps(4);
+    person.wait_to_see("Original");
     person.screenshot("window-models.png");
     // The second of the three models is the normal one; a click chooses it.
     person.click_at(pos2(796.0, 260.0));

@@ -10,6 +10,7 @@ mod source;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use rtrb::chunks::ReadChunk;
 use rtrb::{Consumer, Producer, RingBuffer};
 
 pub use source::{CaptureKind, CaptureSource, capture_sources};
@@ -142,9 +143,14 @@ impl Capture {
     }
 
     /// Takes the frames that have arrived since the last call and appends them to `left` and `right`.
-    /// Returns their number.
+    /// Returns their number: 0 where 65,536 frames or more have waited, which are too old to be heard as the sound of now.
     pub fn take(&mut self, left: &mut Vec<f32>, right: &mut Vec<f32>) -> usize {
         let count = self.consumer.slots();
+        if count == RING_FRAMES {
+            // Nobody took it for long: what came last was dropped, and this is not the sound of now.
+            self.consumer.read_chunk(count).into_iter().for_each(ReadChunk::commit_all);
+            return 0;
+        }
         let (mut peak, mut square) = (0.0f32, 0.0f32);
         for _ in 0..count {
             let Ok([l, r]) = self.consumer.pop() else { break };
@@ -181,6 +187,17 @@ impl Capture {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sound_that_nobody_took_for_long_is_not_that_of_now() {
+        let (mut capture, mut feed) = Capture::fed(48_000).unwrap();
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        let old = vec![0.5; RING_FRAMES + 100];
+        feed.push(&old, &old);
+        assert_eq!(capture.take(&mut left, &mut right), 0);
+        feed.push(&[0.25], &[0.25]);
+        assert_eq!((capture.take(&mut left, &mut right), &left[..]), (1, &[0.25][..]));
+    }
 
     #[test]
     fn a_device_that_delivers_what_is_not_a_number_is_silent_for_that_long() {

@@ -11,6 +11,7 @@ use super::Inlet;
 use super::server::{self, Played};
 use crate::SoundError;
 use crate::converters::is_converter;
+use crate::names::{tell_apart, with_id};
 
 /// The kind of sound that a source captures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +27,7 @@ pub enum CaptureKind {
 /// A source that can be captured.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaptureSource {
-    /// Its name for display.
+    /// Its name for display, with its id where others have the same name.
     pub name: String,
     /// Whether it captures the room, this machine or a program.
     pub kind: CaptureKind,
@@ -39,7 +40,18 @@ pub struct CaptureSource {
 impl CaptureSource {
     /// Whether it can be captured now; asks the sound system, which takes a moment.
     pub fn is_there(&self) -> bool {
-        capture_sources().is_ok_and(|sources| sources.contains(self))
+        capture_sources().is_ok_and(|sources| sources.iter().any(|source| self.is_same(source)))
+    }
+
+    /// Whether both are one source; their names depend on the others.
+    pub fn is_same(&self, other: &Self) -> bool {
+        (self.kind, &self.device, &self.played) == (other.kind, &other.device, &other.played)
+    }
+
+    /// Whether it has this name, or had it while there were more or fewer others of the same name.
+    pub fn is_called(&self, name: &str) -> bool {
+        let differs_by_id = |id: &str| with_id(name, id) == self.name || with_id(&self.name, id) == name;
+        self.name == name || self.device.as_deref().is_some_and(differs_by_id)
     }
 }
 
@@ -78,6 +90,7 @@ pub fn capture_sources() -> Result<Vec<CaptureSource>, SoundError> {
     let inputs = inputs.filter(|device| !is_converter(device));
     let inputs = inputs.filter_map(|device| source(device, CaptureKind::Input));
     sources.extend(inputs.filter(|input| Some(input) != default.as_ref()));
+    tell_apart(sources.iter_mut().map(|source| (&mut source.name, source.device.as_deref())));
     Ok(sources)
 }
 
@@ -132,4 +145,34 @@ where
         }
     };
     device.build_input_stream(config, take, on_error, Some(Duration::from_secs(2)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn source(name: &str) -> CaptureSource {
+        let device = Some("alsa:hw:1".into());
+        CaptureSource { name: name.into(), kind: CaptureKind::Input, device, played: None }
+    }
+
+    #[test]
+    fn a_source_is_the_same_whatever_others_make_of_its_name() {
+        let alone = source("USB Audio");
+        assert!(alone.is_same(&source("USB Audio (alsa:hw:1)")));
+        let other = CaptureSource { device: Some("alsa:hw:2".into()), ..alone.clone() };
+        let loopback = CaptureSource { kind: CaptureKind::Loopback, ..alone.clone() };
+        assert!(!alone.is_same(&other) && !alone.is_same(&loopback));
+    }
+
+    #[test]
+    fn a_source_is_called_the_same_whether_others_have_its_name_or_not() {
+        let (alone, beside) = ("USB Audio", "USB Audio (alsa:hw:1)");
+        for is in [alone, beside] {
+            for was in [alone, beside] {
+                assert!(source(is).is_called(was), "{is}, {was}");
+            }
+        }
+        assert!(!source(beside).is_called("USB Audio (alsa:hw:2)") && !source(alone).is_called("USB"));
+    }
 }

@@ -1,6 +1,10 @@
 //! Decodes sound files to stereo samples, streamed or whole.
 
+mod aiff_lengths;
+mod cut_files;
 mod downmix;
+mod lengths;
+mod mended;
 mod mp4_edits;
 mod opus;
 mod reader;

@@ -17,10 +17,11 @@ use symphonia::core::meta::{MetadataOptions, StandardTag, StandardVisualKey};
 use symphonia::core::units::{Duration, TimeBase, Timestamp};
 
 use super::downmix::Downmix;
+use super::lengths::with_true_lengths;
+use super::mended::Ending;
 use super::mp4_edits::{self, Audible};
 use super::source::SharedSource;
 use super::track::{OpenedTrack, look_at_start, open_track, rewind, unrecognized};
-use super::wav_lengths::without_false_lengths;
 use crate::SoundError;
 
 /// The longest part of a tag that is used, in characters.
@@ -64,6 +65,7 @@ pub struct SongReader {
     declared_frames: Option<u64>,
     /// Whether that may be a guess.
     is_guess: bool,
+    ending: Ending,
     audible: Audible,
     /// Frames of the song before this link of a chain; 0 in any other file.
     link_begin: u64,
@@ -117,7 +119,7 @@ impl SongReader {
         let start = look_at_start(name, source.as_mut())?;
         let mp4 = start.get(4..8) == Some(b"ftyp");
         let audible = if mp4 { mp4_edits::audible_part(source.as_mut()) } else { None };
-        let mut source = without_false_lengths(source);
+        let (mut source, ending, frames) = with_true_lengths(source, &start);
         rewind(name, source.as_mut())?;
         let source = SharedSource::new(source);
         let format = probe(name, &source)?;
@@ -132,8 +134,9 @@ impl SongReader {
             time_base: opened.time_base,
             rate_hz: 0,
             channels: 0,
-            declared_frames: opened.frames,
+            declared_frames: frames.or(opened.frames),
             is_guess: opened.is_guess,
+            ending,
             audible,
             link_begin: 0,
             position: 0,
@@ -424,13 +427,17 @@ impl SongReader {
         let mut packet = match self.format.next_packet() {
             Ok(Some(packet)) => packet,
             Ok(None) => {
+                self.cut_short |= self.ending == Ending::Cut;
                 self.count_missing();
                 return Ok(false);
             }
             Err(CodecError::IoError(error)) if error.kind() == io::ErrorKind::UnexpectedEof => {
                 // Without a stated length, a WAV file ends where its sound does.
                 let states_length = self.link_frames().is_some();
-                self.cut_short = states_length || self.format.format_info().format != FORMAT_ID_WAVE;
+                self.cut_short = match self.ending {
+                    Ending::Stated => states_length || self.format.format_info().format != FORMAT_ID_WAVE,
+                    ending => ending == Ending::Cut,
+                };
                 self.count_missing();
                 return Ok(false);
             }

@@ -308,15 +308,23 @@ impl Engine {
             match opened {
                 Ok((decoding, led)) => {
                     let rate_hz = f64::from(decoding.reader.rate_hz());
+                    let total_frames = decoding.reader.total_frames();
+                    // At most half of a short song: a crossfade that goes on at its end would leave too little power. What
+                    // was written as a stream may state 0.
+                    if let Some(frames) = total_frames.filter(|frames| *frames > 0) {
+                        let half = 0.5 * frames as f64 * f64::from(self.output.rate_hz) / rate_hz;
+                        self.tail.shorten(half as usize);
+                    }
+                    let begins = self.written + led + self.tail.alone() as u64;
                     // From the middle of a crossfade on, this song is the louder one.
                     let middle = self.tail.len() / 2;
                     let secs_of = |frames: usize| frames as f64 / f64::from(self.output.rate_hz);
                     self.shared.timeline().stretches.begin(Stretch {
-                        ring_frame: self.written + led + middle as u64,
+                        ring_frame: begins + middle as u64,
                         list: self.list.number,
                         song,
                         song_secs: secs + secs_of(middle),
-                        duration_secs: decoding.reader.total_frames().map(|frames| frames as f64 / rate_hz),
+                        duration_secs: total_frames.map(|frames| frames as f64 / rate_hz),
                         crossfade_secs: secs_of(self.tail.len()),
                     });
                     self.song = Some(decoding);
@@ -372,8 +380,8 @@ impl Engine {
         self.batch.clear();
         while self.batch.len() < room {
             let frame = match &mut self.song {
-                Some(song) => song.next(kept).map(|frame| self.tail.mix(frame)),
-                None => self.tail.next(),
+                Some(song) if self.tail.alone() == 0 => song.next(kept).map(|frame| self.tail.mix(frame)),
+                _ => self.tail.next(),
             };
             let Some(frame) = frame else { break };
             self.batch.push(frame);

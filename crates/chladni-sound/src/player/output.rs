@@ -12,6 +12,7 @@ use super::hand_out::{HandOut, drop_flushed};
 use crate::SoundError;
 use crate::converters::is_converter;
 use crate::history::Frame;
+use crate::names::tell_apart;
 
 /// The rate used without a device.
 const SILENT_RATE_HZ: u32 = 48_000;
@@ -26,7 +27,7 @@ const RING_SECS: f64 = 1.0;
 pub struct OutputDevice {
     /// The id that [`PlayerSettings::device`](super::PlayerSettings) takes.
     pub id: String,
-    /// The name that is displayed.
+    /// The name that is displayed, with the id where others have the same name.
     pub name: String,
 }
 
@@ -48,6 +49,7 @@ pub fn output_devices() -> Result<Vec<OutputDevice>, SoundError> {
         .collect();
     let default = default.map(|id| id.to_string());
     devices.sort_by_key(|device| Some(&device.id) != default.as_ref());
+    tell_apart(devices.iter_mut().map(|device| (&mut device.name, Some(device.id.as_str()))));
     Ok(devices)
 }
 

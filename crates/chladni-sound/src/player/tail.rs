@@ -9,7 +9,7 @@ use crate::history::Frame;
 #[derive(Default)]
 pub(super) struct Tail {
     frames: VecDeque<Frame>,
-    /// Frames of the whole crossfade.
+    /// Frames of the whole crossfade: its last ones.
     length: usize,
 }
 
@@ -22,6 +22,16 @@ impl Tail {
     /// Frames of the whole crossfade.
     pub fn len(&self) -> usize {
         self.length
+    }
+
+    /// Makes the crossfade no longer than `most` frames: those before it are heard alone.
+    pub fn shorten(&mut self, most: usize) {
+        self.length = self.length.min(most);
+    }
+
+    /// Frames that are heard before the next song begins.
+    pub fn alone(&self) -> usize {
+        self.frames.len().saturating_sub(self.length)
     }
 
     /// Mixed with the rest of the song before it.
@@ -37,7 +47,7 @@ impl Tail {
         self.frames.is_empty()
     }
 
-    /// The next frame, as it is where no song follows.
+    /// The next frame, as it is where no song follows, or before it begins.
     pub fn next(&mut self) -> Option<Frame> {
         self.frames.pop_front()
     }
@@ -55,6 +65,19 @@ impl Tail {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_song_is_heard_alone_before_a_shorter_crossfade() {
+        let mut tail = Tail::of((0..10).map(|n| [n as f32, 0.0]));
+        tail.shorten(4);
+        assert_eq!((tail.len(), tail.alone()), (4, 6));
+        let alone: Vec<_> = (0..6).map(|_| tail.next()).collect();
+        assert!(alone.iter().enumerate().all(|(n, frame)| *frame == Some([n as f32, 0.0])));
+        assert_eq!(tail.alone(), 0);
+        let ends = [6.0, 7.0, 8.0, 9.0].map(|old| tail.mix([0.0, 1.0])[0] / old);
+        assert!(ends[0] > 0.9 && ends[3] < 0.3 && ends.is_sorted_by(|one, next| one > next), "{ends:?}");
+        assert!(tail.is_over());
+    }
 
     #[test]
     fn one_song_fades_into_the_other() {

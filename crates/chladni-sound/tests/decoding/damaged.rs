@@ -69,6 +69,126 @@ fn truncated_files_play_as_far_as_they_go() {
     }
 }
 
+/// The sound of a file, and what is missing from it.
+fn played(name: &str, bytes: Vec<u8>) -> (Song, Option<String>) {
+    let mut reader = SongReader::from_bytes(name, bytes).unwrap_or_else(|error| panic!("{error}"));
+    let song = Song::read(&mut reader, &SongOptions::default(), &Task::new()).unwrap();
+    (song, reader.damage())
+}
+
+/// A file without its last byte, and the first 60 % of it.
+fn cuts(bytes: &[u8]) -> [Vec<u8>; 2] {
+    [bytes.len() - 1, bytes.len() * 3 / 5].map(|keep| bytes[..keep].to_vec())
+}
+
+/// A ramp of 8000 frames in 16 bits, in the order of their bytes, and the song that it is.
+fn ramp(bytes: fn(i16) -> [u8; 2]) -> (Vec<u8>, Song) {
+    let values = || (0..8000).map(|n| 4 * n - 16_000);
+    let wave: Vec<f32> = values().map(|value| f32::from(value) / 32_768.0).collect();
+    let data = values().flat_map(|value| [bytes(value), bytes(value)]).flatten().collect();
+    (data, Song { rate_hz: 8000, right: wave.clone(), left: wave })
+}
+
+#[test]
+fn an_aiff_file_plays_as_far_as_it_goes() {
+    let (data, song) = ramp(i16::to_be_bytes);
+    let file = |form: u32, frames: u32, sound: u32| {
+        let common = [&[0, 2][..], &frames.to_be_bytes(), b"\0\x10\x40\x0b\xfa\0\0\0\0\0\0\0"].concat();
+        let common = [b"COMM\0\0\0\x12", &common[..]].concat();
+        [b"FORM", &form.to_be_bytes()[..], b"AIFF", &common, b"SSND", &sound.to_be_bytes(), &[0; 8], &data]
+            .concat()
+    };
+    let whole = file(32_046, 8000, 32_008);
+    for unknown in [0, u32::MAX] {
+        for (form, frames) in [(32_046, 8000), (unknown, unknown)] {
+            assert!(played("whole.aiff", file(form, frames, unknown)) == (song.clone(), None), "{unknown}");
+        }
+    }
+    assert!(played("whole.aiff", whole.clone()) == (song.clone(), None));
+    for (cut, frames, said) in [
+        (1, 7999, "the file ends in the middle"),
+        (12_800, 4800, "the file ends in the middle, 0.4 s are missing"),
+    ] {
+        let (half, damage) = played("cut.aiff", whole[..whole.len() - cut].to_vec());
+        assert_eq!((half.frames(), damage.as_deref()), (frames, Some(said)));
+        assert!(half.left == song.left[..frames]);
+    }
+    let mut reader = SongReader::from_bytes("cut.aiff", whole[..whole.len() / 2].to_vec()).unwrap();
+    for (frame, plays) in [(3000, true), (6000, false), (9000, false), (0, true)] {
+        reader.seek(frame).unwrap();
+        assert_eq!(reader.next_block().unwrap().is_some(), plays, "{frame}");
+    }
+}
+
+#[test]
+fn a_matroska_file_plays_as_far_as_it_goes() {
+    let (data, song) = ramp(i16::to_le_bytes);
+    let element = |id: &[u8], content: &[u8]| {
+        let length = (1 << 56) | content.len() as u64;
+        [id, &length.to_be_bytes(), content].concat()
+    };
+    let head = element(b"\x1a\x45\xdf\xa3", &element(b"\x42\x82", b"matroska"));
+    let about = [element(b"\x4d\x80", b"test"), element(b"\x57\x41", b"test")].concat();
+    let sound = [element(b"\x9f", &[2]), element(b"\x62\x64", &[16])].concat();
+    let (number, uid, kind) = (element(b"\xd7", &[1]), element(b"\x73\xc5", &[1]), element(b"\x83", &[2]));
+    let track = [number, uid, kind, element(b"\x86", b"A_PCM/INT/LIT"), element(b"\xe1", &sound)].concat();
+    let tracks = element(b"\x16\x54\xae\x6b", &element(b"\xae", &track));
+    // Blocks of a tenth of a second, each in a cluster.
+    let clusters = (0_u16..).zip(data.chunks(3200)).flat_map(|(n, samples)| {
+        let block = element(b"\xa3", &[b"\x81\0\0\x80", samples].concat());
+        element(b"\x1f\x43\xb6\x75", &[element(b"\xe7", &(100 * n).to_be_bytes()), block].concat())
+    });
+    let content = [element(b"\x15\x49\xa9\x66", &about), tracks, clusters.collect()].concat();
+    let sized = [&head[..], &element(b"\x18\x53\x80\x67", &content)].concat();
+    let live = [&head[..], b"\x18\x53\x80\x67\x01", &[0xff; 7], &content].concat();
+    for (name, whole) in [("sized.mka", sized), ("live.mka", live)] {
+        assert!(played(name, whole.clone()) == (song.clone(), None), "{name}");
+        for (cut, blocks) in cuts(&whole).into_iter().zip([9, 5]) {
+            let (half, damage) = played(name, cut.clone());
+            assert_eq!(damage.as_deref(), Some("the file ends in the middle"), "{name}");
+            assert!(half.left == song.left[..800 * blocks], "{name}: {} frames", half.frames());
+            let mut reader = SongReader::from_bytes(name, cut).unwrap();
+            reader.seek(2400).unwrap();
+            assert_eq!(reader.next_block().unwrap().unwrap()[0], song.left[2400], "{name}");
+        }
+    }
+}
+
+#[test]
+fn cut_files_of_ffmpeg_play_as_far_as_they_go() {
+    let folder = tempfile::tempdir().unwrap();
+    let (song, source) = (chirp(44_100), folder.path().join("source.wav"));
+    write_wav(&source, &song, WavSample::Int16).unwrap();
+    let fragments = "frag_keyframe+empty_moov+delay_moov";
+    let formats: [(&str, &[&str]); 6] = [
+        ("alac.m4a", &["-c:a", "alac", "-movflags", "faststart"]),
+        ("aac.m4a", &["-c:a", "aac", "-movflags", "faststart"]),
+        ("fragments.m4a", &["-c:a", "alac", "-movflags", fragments]),
+        ("flac.ogg", &["-c:a", "flac"]),
+        ("flac.mka", &["-c:a", "flac"]),
+        ("mulaw.aifc", &["-c:a", "pcm_mulaw", "-f", "aiff"]),
+    ];
+    for (name, arguments) in formats {
+        let path = folder.path().join(name);
+        if !ffmpeg(&source, arguments, &path) {
+            eprintln!("skipped {name}: ffmpeg is not here or cannot write it");
+            continue;
+        }
+        let bytes = std::fs::read(&path).unwrap();
+        let (whole, damage) = played(name, bytes.clone());
+        assert_eq!(damage, None, "{name}");
+        for (cut, least) in cuts(&bytes).into_iter().zip([0.5, 0.2]) {
+            let (half, damage) = played(name, cut);
+            let share = half.frames() as f64 / whole.frames() as f64;
+            assert!((least..=1.0).contains(&share), "{name}: {share}");
+            assert!(half.left[..] == whole.left[..half.frames()], "{name}");
+            // The last byte of fragments is not of their sound.
+            let is_whole = name == "fragments.m4a" && half == whole;
+            assert!(damage.is_some() || is_whole, "{name}");
+        }
+    }
+}
+
 #[test]
 fn the_name_of_a_file_does_not_matter() {
     let bytes = wav_bytes(&chirp(8_000), WavSample::Int16).unwrap();

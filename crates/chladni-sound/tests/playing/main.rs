@@ -240,6 +240,29 @@ fn one_song_fades_into_the_next() {
 }
 
 #[test]
+fn between_long_songs_a_short_one_fades_over_half_of_it_at_most() {
+    let folder = tempfile::tempdir().unwrap();
+    let songs = [("a.wav", true, 1.0), ("b.wav", false, 0.3), ("c.wav", true, 1.0)];
+    let songs = songs.map(|(name, is_left, secs)| write_level(folder.path(), name, is_left, secs));
+    let player = silent();
+    player.set_crossfade_secs(1.0);
+    player.pause();
+    let (mut from, mut left, mut right) = (None, Vec::new(), Vec::new());
+    // From the first frame on.
+    player.take_heard(&mut from, &mut left, &mut right);
+    player.play_list(songs.to_vec());
+    wait("the end", || {
+        player.take_heard(&mut from, &mut left, &mut right);
+        player.events().any(|event| event == PlayerEvent::Finished)
+    });
+    player.take_heard(&mut from, &mut left, &mut right);
+    assert!((1.5..=2.0).contains(&(left.len() as f64 / 48_000.0)), "{}", left.len());
+    // The long ones are on one side: together they would be louder.
+    let worst = left.iter().zip(&right).map(|(l, r)| (l * l + r * r - 0.25).abs()).fold(0.0, f32::max);
+    assert!(worst < 1e-5, "{worst}");
+}
+
+#[test]
 fn a_song_of_one_sample_that_repeats_leaves_the_player_time_to_obey() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("one.wav");

@@ -49,6 +49,40 @@ impl Camera {
         self.distance = distance.max(near - middle + self.reach * 0.1);
     }
 
+    /// Shifts the view, neither turned nor nearer, so that `points` leave as much room on the left as on the right,
+    /// and above as below. Points beside or behind the eye do not count.
+    pub fn center(&mut self, points: impl IntoIterator<Item = [f32; 3]> + Clone) {
+        // Newton's method; after three steps hardly a case is off by more than rounding.
+        const STEPS: usize = 5;
+        let [right, up, back] = self.axes();
+        for _ in 0..STEPS {
+            let target = Vec3::from(self.target);
+            // How far out the outermost points are seen, and their depths: a shift moves each by as much over its depth.
+            let (mut low, mut high) = ([(f32::INFINITY, 1.0_f32); 2], [(f32::NEG_INFINITY, 1.0_f32); 2]);
+            for p in points.clone().into_iter().map(|p| Vec3::from(p) - target).filter(|p| p.is_finite()) {
+                let depth = match self.projection {
+                    Projection::Perspective => 1.0 - p.dot(back) / self.distance,
+                    Projection::Orthographic => 1.0,
+                };
+                for (i, axis) in [right, up].into_iter().enumerate().filter(|_| depth > 0.0) {
+                    let seen = (p.dot(axis) / depth, depth);
+                    if seen.0 < low[i].0 {
+                        low[i] = seen;
+                    }
+                    if seen.0 > high[i].0 {
+                        high[i] = seen;
+                    }
+                }
+            }
+            let [x, y]: [f32; 2] =
+                std::array::from_fn(|i| (low[i].0 + high[i].0) / (low[i].1.recip() + high[i].1.recip()));
+            if x.is_finite() && y.is_finite() {
+                self.target = (target + right * x + up * y).to_array();
+            }
+        }
+        self.reach_all(points);
+    }
+
     /// Sets the depth range to reach all `points`, wherever the camera stands.
     pub fn reach_all(&mut self, points: impl IntoIterator<Item = [f32; 3]>) {
         let target = Vec3::from(self.target);

@@ -128,6 +128,11 @@ impl CutOff {
         Some(Self { folder: folder.to_owned(), film, sound_hz: sound_hz.parse().ok()?, _note: note })
     }
 
+    /// Where it lies.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// The film that it was to be.
     pub fn film(&self) -> &Path {
         &self.film

@@ -9,6 +9,7 @@ use chladni_mesh::{Format, ShapeSource};
 
 use super::{Caricature, made_on, one};
 use crate::cli::Terminal;
+use crate::work::formats::is_project;
 use crate::work::outputs::{check_apart, check_folders, is_one_place, mesh_format};
 use crate::work::{Error, Warning, Watcher, is_hidden, make_folder};
 
@@ -147,17 +148,26 @@ const MOST_BYTES: u64 = 64 << 20;
 /// The meshes that a text file names, in its order; empty lines and comments are left out. A name that is not found from the
 /// current folder is one beside the list, as in playlists, if it is there.
 fn meshes_listed(list: &Path) -> Result<Vec<PathBuf>, Error> {
-    if list.is_file() && Format::of_path(list).is_some() {
-        let why = "is a mesh: --batch takes a folder or a list of meshes; for one, give it as SHAPE";
+    let why = match Format::of_path(list) {
+        Some(_) => Some("is a mesh: --batch takes a folder or a list of meshes; for one, give it as SHAPE"),
+        None if is_project(list) => {
+            Some("is a caricature project: --batch takes a folder or a list of meshes, --recipe the project")
+        }
+        None => None,
+    };
+    if let Some(why) = why.filter(|_| list.is_file()) {
         return Err(Error::input(format_args!("{}: {why}", list.display())));
     }
     let text = chladni_task::read_text_file(list, MOST_BYTES);
     let text = text.map_err(|error| Error::input(format_args!("{}: {error}", list.display())))?;
     let folder = list.parent().unwrap_or(Path::new(""));
     let found = |name: &str| {
-        let (mesh, beside) = (PathBuf::from(name), folder.join(name));
-        let is_beside = ShapeSource::sample_name(&mesh).is_none() && !mesh.exists() && beside.exists();
-        if is_beside { beside } else { mesh }
+        let mesh = PathBuf::from(name);
+        // Lists of other systems.
+        let other = name.replace('\\', "/");
+        let places = [mesh.clone(), folder.join(name), PathBuf::from(&other), folder.join(&other)];
+        let is_sample = ShapeSource::sample_name(&mesh).is_some();
+        places.into_iter().find(|place| !is_sample && place.exists()).unwrap_or(mesh)
     };
     let names = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     let meshes: Vec<PathBuf> = names.map(found).collect();

@@ -35,6 +35,7 @@ use crate::work::{
 /// Exaggerate what makes a shape differ from a template.
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("picture").args(["render", "turntable"]).multiple(true))]
+#[command(group = clap::ArgGroup::new("result").args(["output", "render", "turntable"]).multiple(true).required(true))]
 pub struct Caricature {
     /// The shape: a mesh file or sample:NAME. With --recipe it replaces the recipe's own.
     #[arg(required_unless_present = "recipe")]
@@ -46,7 +47,7 @@ pub struct Caricature {
     template: Option<Template>,
     /// Where the result goes: .obj, .ply, .stl or .glb (with a slider per layer). With --batch a
     /// folder. May be left out where --render or --turntable draws, but not with --batch.
-    #[arg(short, long, value_name = "OUT", required_unless_present = "picture")]
+    #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// K, the number of harmonics [default: 512].
     #[arg(short = 'k', long, value_name = "K", conflicts_with = "recipe")]

@@ -61,6 +61,11 @@ impl BrushTool {
         self.radius = (self.radius * factor).clamp(0.005, 1.5);
     }
 
+    /// Whether what it paints is a whole, on which size and hardness have no effect: a piece, a part, or what is drawn around.
+    pub fn takes_wholes(&self) -> bool {
+        self.fill || self.limbs.active || self.lasso.active
+    }
+
     /// Draws the brush's controls. `plane` is the shape's own mirror, once it was looked for.
     pub fn show(&mut self, ui: &mut Ui, plane: Option<Option<MirrorPlane>>) {
         ui.horizontal(|ui| {
@@ -79,17 +84,19 @@ impl BrushTool {
         if !self.active {
             return;
         }
-        theme::row(
-            ui,
-            "Size",
-            "Radius along the surface as it is seen, as a share of the shape; [ and ] change it",
-            |ui| {
-                ui.add(Slider::new(&mut self.radius, 0.005..=1.5).logarithmic(true).fixed_decimals(3));
-            },
-        );
-        let tip = "How much of the size is painted in full, beyond which it fades out: 1 has a hard edge";
-        theme::row(ui, "Hardness", tip, |ui| {
-            ui.add(Slider::new(&mut self.hardness, 0.0..=1.0).fixed_decimals(2));
+        ui.add_enabled_ui(!self.takes_wholes(), |ui| {
+            theme::row(
+                ui,
+                "Size",
+                "Radius along the surface as it is seen, as a share of the shape; [ and ] change it",
+                |ui| {
+                    ui.add(Slider::new(&mut self.radius, 0.005..=1.5).logarithmic(true).fixed_decimals(3));
+                },
+            );
+            let tip = "How much of the size is painted in full, beyond which it fades out: 1 has a hard edge";
+            theme::row(ui, "Hardness", tip, |ui| {
+                ui.add(Slider::new(&mut self.hardness, 0.0..=1.0).fixed_decimals(2));
+            });
         });
         theme::row(ui, "Intensity", "How much of the layer acts where you paint", |ui| {
             ui.add(Slider::new(&mut self.intensity, 0.0..=1.0).fixed_decimals(2));

@@ -153,9 +153,8 @@ fn show_stage(
     let mirror = if brush.mirror { plane.flatten() } else { None };
     // One side of two is not painted while the plane between them is looked for.
     let waits = brush.mirror && plane.is_none();
-    // Parts and the lasso need no ring but the smallest, which points at them.
-    let takes_wholes = brush.limbs.active || brush.lasso.active;
-    let radius = if takes_wholes { 0.005 } else { f64::from(brush.radius) };
+    // Wholes need no ring but the smallest, which points at them.
+    let radius = if brush.takes_wholes() { 0.005 } else { f64::from(brush.radius) };
     let surface = session.stack.surface();
     if !(brush.active && brush.lasso.active) {
         brush.lasso.let_go();

@@ -17,8 +17,11 @@ use crate::work::scale_plot::Spectrum;
 pub const PATIENCE: Duration = Duration::from_millis(4);
 
 /// Threads of its own: the few parallel loops of a frame would queue behind an evaluation in the common pool.
-static POOL: LazyLock<Result<ThreadPool, ThreadPoolBuildError>> =
-    LazyLock::new(|| ThreadPoolBuilder::new().thread_name(|index| format!("evaluate {index}")).build());
+static POOL: LazyLock<Result<ThreadPool, ThreadPoolBuildError>> = LazyLock::new(|| {
+    // As many as in the common pool, which the system may limit.
+    let pool = ThreadPoolBuilder::new().num_threads(rayon::current_num_threads());
+    pool.thread_name(|index| format!("evaluate {index}")).build()
+});
 
 /// Held while an evaluation runs.
 static TURN: Mutex<()> = Mutex::new(());

@@ -1,6 +1,7 @@
 //! The stack of layers: names, eyes, solo, order. The topmost layer is the topmost row.
 
 use chladni_caricature::{Action, Layer, LayerId, MatchRequest, Project, Property};
+use egui::text::{CCursor, CCursorRange};
 use egui::{RichText, Ui};
 
 use super::edits::Edits;
@@ -249,8 +250,14 @@ impl LayerList {
             ui.add(egui::Label::new(text).truncate().selectable(false));
             return;
         };
-        let field = ui.add(egui::TextEdit::singleline(draft).desired_width(130.0));
-        let field = field.accessible_name("Name of the layer");
+        let mut shown = egui::TextEdit::singleline(draft).desired_width(130.0).show(ui);
+        let field = shown.response.response.accessible_name("Name of the layer");
+        if !field.has_focus() {
+            // The first letter that is typed replaces the old name.
+            let end = CCursor::new(draft.chars().count());
+            shown.state.cursor.set_char_range(Some(CCursorRange::two(CCursor::default(), end)));
+            shown.state.store(ui.ctx(), field.id);
+        }
         field.request_focus();
         let (enter, escape) =
             ui.input(|input| (input.key_pressed(egui::Key::Enter), input.key_pressed(egui::Key::Escape)));

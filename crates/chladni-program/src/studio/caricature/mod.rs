@@ -173,7 +173,7 @@ impl Room for CaricatureRoom {
         [PROJECT].into_iter().chain(MESHES).collect()
     }
 
-    fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
+    fn show_over(&mut self, shared: &mut Shared<'_>) {
         // Also where the tool that began a drag was put away, or a key has led to another room.
         if shared.ctx.input(|input| input.pointer.any_released())
             && let Some(session) = &mut self.session
@@ -184,6 +184,9 @@ impl Room for CaricatureRoom {
         self.export.poll(shared);
         self.keep_copy(shared);
         self.ask_to_replace(shared);
+    }
+
+    fn recovers(&mut self, shared: &mut Shared<'_>) -> bool {
         self.offer_recovery(shared)
     }
 

@@ -35,6 +35,8 @@ pub fn mark_place(ui: &Ui, area: egui::Rect, at: egui::Pos2, faces: bool) {
 pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect], color: Color32) {
     let names: &[&str] = match show {
         Show::Result => return,
+        // They are not there yet.
+        Show::Models if cells.len() == 1 => return,
         Show::Models => &["Coordinate", "Normal", "Distance", "Original"],
         Show::BeforeAfter => &["Before", "After"],
         Show::Template if cells.len() == 1 => &["Result (the selected layer has no template to be seen yet)"],
@@ -50,7 +52,9 @@ pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect], color: 
 pub fn show_name(ui: &Ui, cell: egui::Rect, name: &str, color: Color32) {
     let font = egui::TextStyle::Body.resolve(ui.style());
     let at = cell.left_top() + egui::vec2(12.0, 10.0);
-    ui.painter().text(at, egui::Align2::LEFT_TOP, name, font, color);
+    let rect = ui.painter().text(at, egui::Align2::LEFT_TOP, name, font, color);
+    let label = ui.interact(rect, ui.scope_id().with(("shape", name)), egui::Sense::hover());
+    label.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, name));
 }
 
 /// A bar of the color map with round numbers beside it.

@@ -6,6 +6,7 @@ use super::concert::Concert;
 use super::legible::{self, Anchored};
 use super::place::{Change, Place};
 use super::preferences::Screen;
+use super::projection::Projection;
 
 /// How long pointer and hint stay after the pointer has moved.
 const LINGER_SECS: f64 = 2.0;
@@ -72,9 +73,10 @@ impl Curtain {
     }
 
     /// Hides the pointer; where it moves, shows it for a moment with the keys that help.
-    pub fn show(&mut self, ui: &mut Ui, concert: &Concert) {
+    pub fn show(&mut self, ui: &mut Ui, concert: &Concert, projection: Projection) {
         let now_secs = ui.input(|input| input.time);
-        concert.song_title.show(ui, ui.max_rect(), concert.title_opacity(now_secs));
+        let opacity = concert.title_opacity(now_secs);
+        concert.song_title.show(ui, ui.max_rect(), projection, opacity);
         if ui.input(|input| input.pointer.is_moving()) {
             self.moved_secs = Some(now_secs);
         }

@@ -8,13 +8,14 @@ use super::hands::action_on;
 use super::listening::Listening;
 use super::shows::take;
 use super::wish::Wish;
-use crate::studio::room::Shared;
+use crate::studio::room::{Room, Shared};
 use crate::studio::theme;
 
 impl MusicRoom {
     pub(super) fn fulfil(&mut self, wish: Wish, shared: &mut Shared<'_>) {
         let done = match (wish, &mut self.concert) {
             (Wish::Choose(then), _) => return self.ask_for(then, shared),
+            (Wish::Open(path), _) => return self.open(&[path], shared),
             (Wish::Do(action @ Action::NewGallery { .. }), _) => return self.begin_gallery(action, shared),
             (Wish::Record, _) => return self.record(shared),
             (Wish::RecordAtOnce, _) => return self.record_at_once(shared),

@@ -25,16 +25,26 @@ pub fn show(ui: &Ui, place: Anchored, text: &str, size: f32, color: Color32) {
 
 /// Draws the halo alone, as opaque as the text will be; returns the text and its corner.
 pub fn show_halo(ui: &Ui, place: Anchored, text: &str, size: f32, opacity: f32) -> (Pos2, Arc<Galley>) {
+    let (corner, galley) = laid_out(ui, place, text, size);
+    halo(ui, corner, &galley, size, opacity);
+    (corner, galley)
+}
+
+/// A text and its corner.
+pub fn laid_out(ui: &Ui, place: Anchored, text: &str, size: f32) -> (Pos2, Arc<Galley>) {
     let text = text.replace(char::is_control, " ");
     let mut job = LayoutJob::simple_singleline(text, FontId::proportional(size), Color32::PLACEHOLDER);
     job.wrap = TextWrapping::truncate_at_width(place.width.max(0.0));
     let galley = ui.painter().layout_job(job);
-    let corner = place.anchor.anchor_size(place.at, galley.size()).min;
+    (place.anchor.anchor_size(place.at, galley.size()).min, galley)
+}
+
+/// Draws the halo of a text.
+pub fn halo(ui: &Ui, corner: Pos2, text: &Arc<Galley>, size: f32, opacity: f32) {
     let color = Color32::from_black_alpha((255.0 * halo_opacity(opacity)) as u8);
     for [x, y] in halo_offsets(size) {
-        ui.painter().galley(corner + vec2(x, y), Arc::clone(&galley), color);
+        ui.painter().galley(corner + vec2(x, y), Arc::clone(text), color);
     }
-    (corner, galley)
 }
 
 #[cfg(test)]

@@ -178,7 +178,7 @@ impl MusicRoom {
                 }
                 Asked::Play | Asked::Pause | Asked::Stop => {}
                 Asked::PlayPause => listening.toggle(),
-                // MPRIS: where playback is paused or stopped, it remains that way.
+                // MPRIS: where playback is paused or stopped, as while live input is heard, it remains that way.
                 Asked::Next => {
                     sought_secs = Some(0.0);
                     listening.next_song(false);

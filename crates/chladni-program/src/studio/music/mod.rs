@@ -66,7 +66,7 @@ use self::wish::Then;
 use super::Trace;
 use super::awake::Awake;
 use super::job::Job;
-use super::opening::{Live, SetOutput};
+use super::opening::{Live, SetOutput, SetPlan};
 use super::room::Shared;
 use crate::work::formats;
 use crate::work::{Error, Warning, shown_name};
@@ -90,6 +90,8 @@ pub struct MusicRoom {
     input: Option<Capture>,
     /// Which live input to listen to then.
     live: Option<Live>,
+    /// The autopilot is to begin as soon as the shape is there.
+    autopilot: bool,
     #[cfg(target_os = "linux")]
     media_keys: Option<media_keys::MediaKeys>,
     trace: Option<Trace>,
@@ -137,15 +139,10 @@ struct Coming {
 }
 
 impl MusicRoom {
-    /// A room that listens to `input` or a `live` one from the beginning, where there is one, records its items in `trace`,
-    /// and sends its picture to `output`.
-    pub fn listening_to(
-        input: Option<Capture>,
-        live: Option<Live>,
-        trace: Option<Trace>,
-        output: Option<SetOutput>,
-    ) -> Self {
-        Self { input, live, trace, output, ..Self::default() }
+    /// A room that begins the `set`, listens to `input`, where there is one, and records its items in `trace`.
+    pub fn beginning(set: SetPlan, input: Option<Capture>, trace: Option<Trace>) -> Self {
+        let SetPlan { live, autopilot, output } = set;
+        Self { input, live, autopilot, trace, output, ..Self::default() }
     }
 
     /// Loads a shape, or a caricature, whose voices are shown.

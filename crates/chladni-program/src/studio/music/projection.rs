@@ -1,6 +1,8 @@
 //! The picture of the stage on a projector's wall: four corners to be pinned, and how bright each color is.
 
-use egui::{Color32, Mesh, Rect, Sense, Stroke, TextureId, Ui, Vec2, vec2};
+use std::sync::Arc;
+
+use egui::{Color32, Galley, Mesh, Pos2, Rect, Sense, Stroke, TextureId, Ui, Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
 use crate::studio::author_id::AuthorId;
@@ -62,25 +64,62 @@ impl Projection {
         })
     }
 
-    /// Paints a texture as the picture of `rect`.
-    pub fn paint(&self, ui: &Ui, rect: Rect, texture: TextureId) {
-        let [r, g, b] = self.trim.map(|share| (255.0 * share).round() as u8);
-        let tint = Color32::from_rgb(r, g, b);
-        if !self.is_pinned() {
-            ui.painter().image(texture, rect, theme::WHOLE_IMAGE, tint);
-            return;
-        }
-        ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
-        ui.painter_at(rect).add(self.mesh(rect, texture, tint));
+    /// Where the point `at` of the picture of `rect` goes.
+    fn place(&self, rect: Rect, at: Pos2) -> Pos2 {
+        let [x, y] = self.map(((at - rect.min) / rect.size()).into());
+        rect.min + vec2(x, y) * rect.size()
     }
 
-    fn mesh(&self, rect: Rect, texture: TextureId, tint: Color32) -> Mesh {
+    /// A color as it is on the wall.
+    pub fn trimmed(&self, color: Color32) -> Color32 {
+        let [r, g, b] = self.trim.map(|share| (255.0 * share).round() as u8);
+        color * Color32::from_rgb(r, g, b)
+    }
+
+    /// Paints a texture as the picture of `rect`.
+    pub fn paint(&self, ui: &Ui, rect: Rect, texture: TextureId) {
+        if self.is_pinned() {
+            ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
+        }
+        self.paint_part(ui, (rect, rect), texture, Color32::WHITE);
+    }
+
+    /// Paints a texture onto `part` of the picture of `rect`.
+    pub fn paint_part(&self, ui: &Ui, (rect, part): (Rect, Rect), texture: TextureId, tint: Color32) {
+        let tint = self.trimmed(tint);
+        if self.is_pinned() {
+            ui.painter_at(rect).add(self.mesh((rect, part), texture, tint));
+        } else {
+            ui.painter().image(texture, part, theme::WHOLE_IMAGE, tint);
+        }
+    }
+
+    /// A text whose corner is at `corner` of the picture of `rect`, so that it lies on the wall where it is painted there.
+    pub fn bent(&self, rect: Rect, corner: Pos2, text: Arc<Galley>) -> Arc<Galley> {
+        if !self.is_pinned() {
+            return text;
+        }
+        let mut bent = Arc::unwrap_or_clone(text);
+        bent.mesh_bounds = Rect::NOTHING;
+        for row in &mut bent.rows {
+            let offset = row.pos.to_vec2();
+            let origin = corner + offset;
+            let visuals = &mut Arc::make_mut(&mut row.row).visuals;
+            for vertex in &mut visuals.mesh.vertices {
+                vertex.pos = (self.place(rect, origin + vertex.pos.to_vec2()) - origin).to_pos2();
+            }
+            visuals.mesh_bounds = visuals.mesh.calc_bounds();
+            bent.mesh_bounds |= visuals.mesh_bounds.translate(offset);
+        }
+        Arc::new(bent)
+    }
+
+    fn mesh(&self, (rect, part): (Rect, Rect), texture: TextureId, tint: Color32) -> Mesh {
         let mut mesh = Mesh::with_texture(texture);
         for row in 0..=CELLS {
             for column in 0..=CELLS {
                 let uv = [column, row].map(|i| i as f32 / CELLS as f32);
-                let [x, y] = self.map(uv);
-                let pos = rect.min + vec2(x, y) * rect.size();
+                let pos = self.place(rect, part.min + Vec2::from(uv) * part.size());
                 mesh.vertices.push(epaint::Vertex { pos, uv: uv.into(), color: tint });
             }
         }
@@ -214,7 +253,7 @@ mod tests {
     #[test]
     fn the_mesh_is_the_map_to_a_fraction_of_a_pixel() {
         let (projection, rect) = (skewed(), Rect::from_min_size(pos2(10.0, 20.0), vec2(1920.0, 1080.0)));
-        let mesh = projection.mesh(rect, TextureId::default(), Color32::WHITE);
+        let mesh = projection.mesh((rect, rect), TextureId::default(), Color32::WHITE);
         assert_eq!(mesh.indices.len(), 6 * CELLS * CELLS);
         let mut most = 0.0f32;
         for triangle in mesh.indices.chunks(3) {

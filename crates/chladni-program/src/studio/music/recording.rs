@@ -147,7 +147,9 @@ impl MusicRoom {
                 shared.notices.warn(message);
             }
             Err(why) => {
-                shared.notices.failed(why.of(path));
+                // An error about the file itself names it already.
+                let named = why.to_string().starts_with(&path);
+                shared.notices.failed(if named { why } else { why.of(path) });
                 self.salvage.look_again();
             }
         }

@@ -129,11 +129,15 @@ impl Room for MusicRoom {
         !self.apart && self.concert.as_ref().is_some_and(Concert::on_stage)
     }
 
+    fn will_hide_the_window(&self) -> bool {
+        self.autopilot && !self.apart && !self.refused
+    }
+
     fn asks(&self) -> bool {
         self.filming.asks()
     }
 
-    fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
+    fn show_over(&mut self, shared: &mut Shared<'_>) {
         // The songs go on in another room.
         #[cfg(target_os = "linux")]
         self.follow_media_keys(shared);
@@ -149,6 +153,9 @@ impl Room for MusicRoom {
         self.filming.poll(shared);
         // Also where the room was left right after the last action.
         self.keep_show(false, shared);
+    }
+
+    fn recovers(&mut self, shared: &mut Shared<'_>) -> bool {
         self.offer_show(shared)
     }
 
@@ -269,8 +276,20 @@ impl MusicRoom {
         Some(format!("The show of the music room, with {favorites}, is not saved."))
     }
 
-    /// The autopilot takes over where songs play and nobody is there.
+    /// The autopilot takes over where songs play and nobody is there; and at the start, where it is to begin at once.
     fn lean_back(&mut self, staged: bool, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
+        // A show that is still to come would end it.
+        let is_open = self.loading.is_none() && self.waiting.is_empty();
+        if self.autopilot
+            && is_open
+            && self.listening.is_some()
+            && let Some(concert) = &self.concert
+        {
+            self.autopilot = false;
+            if !concert.is_piloted() {
+                return wishes.push(Wish::Autopilot);
+            }
+        }
         let plays = self.concert.is_some() && self.listening.as_ref().is_some_and(Listening::plays_songs);
         if staged || !shared.settings.music.leans_back {
             self.leaning.end();
@@ -347,7 +366,7 @@ impl MusicRoom {
                 shared.notices.failed(why);
             }
             if on_stage {
-                self.curtain.show(ui, concert);
+                self.curtain.show(ui, concert, shared.settings.music.projection);
                 if self.drawers.adjusts {
                     let screen = ui.max_rect();
                     shared.settings.music.projection.adjust(ui, screen);

@@ -49,6 +49,8 @@ impl Drop for Note {
 struct Saved {
     was: PathBuf,
     film: Result<PathBuf, Error>,
+    /// Its folder, where the next start may make a film of it.
+    waits: Option<PathBuf>,
 }
 
 /// Looks for recordings that were cut off, once unless asked.
@@ -82,14 +84,22 @@ impl Salvage {
             shared.notices.failed(why);
             Vec::new()
         });
-        for Saved { was, film } in saved {
+        for Saved { was, film, waits } in saved {
             let was = was.display();
             match film {
                 Ok(film) => shared.notices.warn(format!(
                     "The recording of {was} was cut off. What there was of it is now {}",
                     film.display()
                 )),
-                Err(why) => shared.notices.failed(why.of(was.to_string())),
+                Err(why) => {
+                    shared.notices.failed(why.of(was.to_string()));
+                    if let Some(folder) = waits {
+                        shared.notices.warn(format!(
+                            "What there is of {was} lies in {}: the next start tries again to make a film of it",
+                            folder.display()
+                        ));
+                    }
+                }
             }
         }
     }
@@ -135,14 +145,15 @@ fn has_waited(note: &Path) -> bool {
 }
 
 fn save((note, recording): (PathBuf, CutOff)) -> Saved {
-    let was = recording.film().to_owned();
+    let (was, folder) = (recording.film().to_owned(), recording.folder().to_owned());
     let is_empty = recording.is_empty();
     let film = recording.save().map_err(Error::from);
     // Where there is nothing to save, that is said once; what fails otherwise may succeed at the next start.
     if film.is_ok() || is_empty {
         let _ = std::fs::remove_file(&note);
     }
-    Saved { was, film }
+    let waits = (film.is_err() && !is_empty).then_some(folder);
+    Saved { was, film, waits }
 }
 
 #[cfg(test)]
@@ -195,8 +206,23 @@ mod tests {
         // It has no picture: the folder stays for a person to look at, and is named once.
         let said = saved.film.unwrap_err().to_string();
         assert!(said.contains(&recording.display().to_string()) && recording.exists(), "{said}");
+        assert_eq!(saved.waits, None);
         assert!(find(&recovery.join(NOTES)).is_empty());
         assert_eq!(std::fs::read_dir(recovery.join(NOTES)).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn what_cannot_be_saved_now_waits_for_the_next_start() {
+        let home = tempfile::tempdir().unwrap();
+        let (recovery, recording) = (home.path().join("recovery"), home.path().join(".chladni-abc"));
+        std::fs::create_dir(&recording).unwrap();
+        std::fs::write(recording.join("recording.txt"), "48000\nset.mp4\n").unwrap();
+        std::fs::write(recording.join("picture.mp4"), "no picture that ffmpeg knows").unwrap();
+        std::mem::forget(Note::write(&recovery, &recording).unwrap());
+        let saved = save(find(&recovery.join(NOTES)).remove(0));
+        assert!(saved.film.is_err() && recording.exists());
+        assert_eq!(saved.waits, Some(recording));
+        assert_eq!(std::fs::read_dir(recovery.join(NOTES)).unwrap().count(), 1);
     }
 
     #[test]

@@ -20,7 +20,8 @@ use crate::studio::room::Shared;
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
 use crate::work::{
-    Error, cautions, is_like_a_show, is_lost, placed, playlist, refer, refer_looks, resolve, resolve_looks,
+    Error, cautions, find, is_like_a_show, is_lost, placed, playlist, refer, refer_looks, resolve,
+    resolve_looks,
 };
 
 /// The most harmonics that dance live.
@@ -312,17 +313,14 @@ impl MusicRoom {
             }
             shared.settings.music.look_like(&found);
         }
-        let mut songs: Vec<ShowSong> = Vec::new();
+        let (mut songs, mut found) = (Vec::new(), Vec::new());
         for song in &show.songs {
-            let found = resolve(&song.file(), path.parent());
-            let (file, warning) = match found {
-                Ok(found) => found,
-                Err(why) => {
-                    shared.notices.warn(why);
-                    (placed(&song.path, path.parent()), None)
-                }
-            };
-            warning.into_iter().for_each(|warning| shared.notices.warn(warning));
+            let file = find(&song.file(), path.parent());
+            found.extend(file.as_ref().ok().map(|file| (file.clone(), song.file())));
+            let file = file.unwrap_or_else(|why| {
+                shared.notices.warn(why);
+                placed(&song.path, path.parent())
+            });
             songs.push(ShowSong::new(file, song.reading));
         }
         self.late_songs_follow = !songs.is_empty() && !self.late_songs.is_empty();
@@ -331,6 +329,7 @@ impl MusicRoom {
             let at_beat = show.actions.last().map_or(0.0, |line| line.moment.at_beat);
             let ends = Moment { at_secs: show.ends_secs(), at_beat };
             listening.go_on(songs, &show.heard, show.clock.clone(), ends);
+            listening.compare(found);
             concert.go_on_at(ends);
         }
     }

@@ -7,7 +7,7 @@ use egui::{Align2, Color32, Rect, TextureHandle, Ui, vec2};
 
 use super::legible::{self, Anchored};
 use super::listening::Listening;
-use crate::studio::theme;
+use super::projection::Projection;
 use crate::work::{COVER, Caption, GAP, TITLE, title_opacity};
 
 /// The song that is heard, and since when.
@@ -72,8 +72,8 @@ impl SongTitle {
         }
     }
 
-    /// Draws it over the stage, which fills `screen`, as opaque as this.
-    pub fn show(&self, ui: &Ui, screen: Rect, opacity: f32) {
+    /// Draws it over the stage, which fills `screen`, as the projector needs it, as opaque as this.
+    pub fn show(&self, ui: &Ui, screen: Rect, projection: Projection, opacity: f32) {
         if opacity <= 0.0 || self.caption.text.is_empty() {
             return;
         }
@@ -84,12 +84,15 @@ impl SongTitle {
             let shown = pixels * (COVER * size / pixels.max_elem().max(1.0));
             let place = Rect::from_min_max(at - vec2(0.0, shown.y), at + vec2(shown.x, 0.0));
             let tint = Color32::from_white_alpha((255.0 * opacity) as u8);
-            ui.painter().image(cover.id(), place, theme::WHOLE_IMAGE, tint);
+            projection.paint_part(ui, (screen, place), cover.id(), tint);
             at.x += shown.x + GAP * size;
         }
         let place = Anchored { at, anchor: Align2::LEFT_BOTTOM, width: screen.right() - left - at.x };
-        let (corner, galley) = legible::show_halo(ui, place, &self.caption.text, size, opacity);
-        ui.painter().galley(corner, galley, Color32::from_white_alpha((220.0 * opacity) as u8));
+        let (corner, text) = legible::laid_out(ui, place, &self.caption.text, size);
+        let text = projection.bent(screen, corner, text);
+        legible::halo(ui, corner, &text, size, opacity);
+        let white = Color32::from_white_alpha((220.0 * opacity) as u8);
+        ui.painter().galley(corner, text, projection.trimmed(white));
     }
 }
 
@@ -139,12 +142,41 @@ mod tests {
         let title = titled();
         let letters = |opacity: f32| {
             let ctx = egui::Context::default();
-            let output = ctx.run_ui(egui::RawInput::default(), |ui| title.show(ui, ui.max_rect(), opacity));
+            let output = ctx.run_ui(egui::RawInput::default(), |ui| {
+                title.show(ui, ui.max_rect(), Projection::default(), opacity);
+            });
             let is_text = |shape: &&epaint::ClippedShape| matches!(shape.shape, egui::Shape::Text(_));
             output.shapes.iter().filter(is_text).count()
         };
         // Eight times for the halo, and once in white.
         assert_eq!((letters(0.0), letters(1.0)), (0, 9));
+    }
+
+    #[test]
+    fn it_lies_on_the_wall_in_its_colors() {
+        let title = titled();
+        let corners = [[0.3, 0.2], [0.7, 0.2], [0.7, 0.6], [0.3, 0.6]];
+        let projection = Projection { corners, trim: [1.0, 0.0, 0.5] };
+        let mut wall = Rect::NOTHING;
+        let output = egui::Context::default().run_ui(egui::RawInput::default(), |ui| {
+            let screen = ui.max_rect();
+            let at = |x: f32, y: f32| screen.min + vec2(x, y) * screen.size();
+            // The halo stands out by some points.
+            wall = Rect::from_min_max(at(0.3, 0.2), at(0.7, 0.6)).expand(4.0);
+            title.show(ui, screen, projection, 1.0);
+        });
+        let texts: Vec<&epaint::TextShape> = output
+            .shapes
+            .iter()
+            .filter_map(|shape| if let egui::Shape::Text(text) = &shape.shape { Some(text) } else { None })
+            .collect();
+        assert_eq!(texts.len(), 9);
+        for text in &texts {
+            let bounds = text.visual_bounding_rect();
+            assert!(bounds.is_positive() && wall.contains_rect(bounds), "{bounds:?} {wall:?}");
+        }
+        let [r, g, b, a] = texts[8].fallback_color.to_array();
+        assert!((r, g, a) == (220, 0, 220) && (109..112).contains(&b), "{b}");
     }
 
     #[test]

@@ -245,7 +245,7 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Devices, preference
             CaptureKind::Program => Icon::AppWindow,
             CaptureKind::Input => Icon::Mic,
         };
-        let on = listening.listens_to(&source.name);
+        let on = listening.listens_to(source);
         let row = row(ui, ui.available_width(), on, icon::label(mark, &source.name));
         if row.on_hover_text(&source.name).clicked() {
             chosen = Some((!on, source.clone()));
@@ -256,7 +256,7 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Devices, preference
             preferences.live_input = Some(source.name.clone());
             listening.listen_to(&source, ui.ctx());
         }
-        Some((false, _)) => listening.stop_listening(),
+        Some((false, _)) => listening.toggle_live(None, ui.ctx()),
         None => {}
     }
     strength(ui, listening, preferences);

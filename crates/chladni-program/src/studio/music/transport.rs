@@ -1,5 +1,6 @@
 //! Files, song and gallery: the bar above the dancing shapes.
 
+use chladni_mesh::samples::SAMPLES;
 use chladni_music::{Action, Switch};
 use chladni_task::counted;
 use egui::{RichText, ScrollArea, Ui};
@@ -17,6 +18,7 @@ use crate::studio::keys::music::{
 };
 use crate::studio::shortcut::Shortcut;
 use crate::studio::theme;
+use crate::work::source::sample_path;
 
 /// The width of the slider through a song, where there is room and where there is not.
 const SEEK_WIDTH: [f32; 2] = [110.0, 40.0];
@@ -123,6 +125,17 @@ fn files(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
                 ui.close();
             }
         }
+        ui.separator();
+        let samples = ui.menu_button("Samples", |ui| {
+            for name in SAMPLES {
+                let button = ui.button(theme::capitalized(name)).author_id(format!("sample/{name}"));
+                if button.clicked() {
+                    wishes.push(Wish::Open(sample_path(name)));
+                    ui.close();
+                }
+            }
+        });
+        samples.response.author_id("samples");
     });
     menu.response.author_id("file");
 }

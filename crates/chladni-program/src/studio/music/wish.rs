@@ -19,6 +19,8 @@ pub enum Wish {
     Dance(Target, usize),
     /// Set all up for sand on the shape, as in Chladni's experiment.
     Experiment,
+    /// Open this file, or a sample.
+    Open(PathBuf),
     /// Choose files.
     Choose(Then),
     /// Ask where to record the set as it is played; or end that.

@@ -1,8 +1,9 @@
 //! How a dance begins, and the actions that follow.
 
 use chladni_music::{
-    Action, BreedingError, Dancer, GALLERY_SIZES, GalleryShape, Instrument, LoggedAction, Mapping, Moment,
-    MusicError, PAPER_MODE, Parameter, Parameters, Preset, SAND_MODE, Show, Switch, experiment,
+    Action, BreedingError, Dancer, Form, GALLERY_SIZES, GalleryShape, Instrument, LoggedAction, Mapping,
+    Moment, MusicError, PAPER_MODE, Parameter, Parameters, Preset, SAND_MODE, Show, SideSource, Switch,
+    experiment,
 };
 
 use crate::work::held::{holds_form, leave_out};
@@ -135,6 +136,20 @@ pub(super) fn in_vain(
     Parameter::ALL.into_iter().filter(is_turned).filter_map(ignored).collect()
 }
 
+/// A warning of the modal form, where changes ask for it, on a shape in which it does not part left and right.
+pub(super) fn swings_alike(held: &[Action], sides: SideSource) -> Option<Warning> {
+    let form = held.iter().rev().find_map(|change| match change {
+        Action::SetForm { form } => Some(*form),
+        _ => None,
+    });
+    let is_alike = form == Some(Form::Modal) && sides == SideSource::Coordinate;
+    is_alike.then(|| {
+        let why = "Left and right move the same places: as the shape stands, its harmonics do not part them. \
+                   Half-mask does.";
+        Warning::of("modal", why)
+    })
+}
+
 /// Leaves out of a script all that changes what `change` sets, so that it holds throughout.
 fn hold(change: &Action, script: &mut Vec<LoggedAction>) {
     script.retain(|line| match (change, &line.action) {
@@ -186,7 +201,7 @@ fn apply(instrument: &mut Instrument, actions: Vec<Action>) -> Result<(), Error>
 mod tests {
     use chladni_harmonics::{BasisSettings, Body};
     use chladni_mesh::{Orientation, samples};
-    use chladni_music::{Form, Symmetry};
+    use chladni_music::Symmetry;
     use chladni_task::Task;
 
     use super::*;
@@ -225,6 +240,19 @@ mod tests {
     }
 
     #[test]
+    fn the_modal_form_is_warned_of_where_left_and_right_look_alike() {
+        let [modal, halves] = [Form::Modal, Form::HalfMask].map(|form| Action::SetForm { form });
+        let warns = |held: &[&Action], sides| {
+            let held: Vec<Action> = held.iter().copied().cloned().collect();
+            swings_alike(&held, sides).is_some()
+        };
+        assert!(warns(&[&halves, &modal], SideSource::Coordinate));
+        assert!(!warns(&[&modal, &halves], SideSource::Coordinate));
+        assert!(!warns(&[], SideSource::Coordinate));
+        assert!(!warns(&[&modal], SideSource::Harmonic(1)));
+    }
+
+    #[test]
     fn knobs_whose_switch_is_off_are_warned_of_unless_it_may_be_turned() {
         let dancer = plate();
         let set = |parameter: Parameter| Action::Set { parameter, value: parameter.initial() };
@@ -244,6 +272,10 @@ mod tests {
         // Such a change holds in the dances of the autopilot, too.
         assert_eq!(warned(&dry, None, true).len(), 1);
         assert!(warned(&[damping], None, false).is_empty());
+        let pulse = set(Parameter::LightPulse);
+        let said = warned(&[turn(Switch::BeatLights, false), pulse.clone()], None, false);
+        assert!(said.len() == 1 && said[0].contains("Without effect while beat-lights is off"), "{said:?}");
+        assert!(warned(&[pulse], None, false).is_empty());
         let grains = [grains];
         assert_eq!(warned(&grains, None, false).len(), 1);
         assert!(warned(&grains, Some(turn(Switch::Sand, true)), false).is_empty());

@@ -8,12 +8,12 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::vec3::single;
-use chladni_music::{Ensemble, Instrument};
+use chladni_music::{Ensemble, Instrument, Switch};
 use chladni_sound::{WavSample, write_wav};
 use chladni_view::{Film as Reel, FilmFormat, FilmSettings};
 
 use super::animation::{Animation, Approximation};
-use super::beginning::in_vain;
+use super::beginning::{in_vain, swings_alike};
 use super::output::Output;
 use super::performance::{Done, Performance};
 use super::report::Seconds;
@@ -25,7 +25,8 @@ use crate::work::dancer::{Dancing, classes};
 use crate::work::left_out::left_of_gltf;
 use crate::work::outputs::{earlier_frames, odd_sides};
 use crate::work::{
-    Cast, Error, HARMONICS, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, make_folder, texture_colors,
+    Cast, Error, HARMONICS, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, look_under_sand,
+    make_folder, texture_colors,
 };
 
 /// Said of a dance that becomes a GLB: as detail turns, the whole shape's displacements are no sums of targets.
@@ -80,11 +81,16 @@ impl Prepared {
 
         let rest = single(&body.positions);
         let keeps_look = wanted.beginning.keeps_look;
+        let (opens, on_sheet) = (!keeps_look && wanted.beginning.show.is_none(), is_flat(&rest));
         let held = wanted.beginning.changes.clone();
-        let begun = std::mem::take(&mut wanted.beginning).begin(&dancer, is_flat(&rest))?;
+        let begun = std::mem::take(&mut wanted.beginning).begin(&dancer, on_sheet)?;
         let (instrument, script) = &begun;
+        if opens && on_sheet && instrument.parameters().is_on(Switch::Sand) {
+            wanted.look = look_under_sand(wanted.look);
+        }
         let (pilots, has_voices) = (wanted.autopilot, !voices.is_empty());
         watcher.warn_each(in_vain(&held, instrument.parameters(), script, pilots, has_voices));
+        watcher.warn_each(swings_alike(&held, dancer.sides.source));
         let box_diagonal = dancer.box_diagonal;
         let voices = voices.into_iter().map(|(_, term)| term).collect();
         let ensemble = Ensemble::new(dancer).with_voices(voices)?;

@@ -33,8 +33,8 @@ impl Hearing {
     }
 
     /// The beat at `at_secs`, later than all so far, is that of a clock ([`ClockTrack::follow`]).
-    pub fn follow_clock(&mut self, at_secs: f64, beat: Beat, bpm: f64, bar: f64) {
-        self.clocked.track.follow(at_secs, beat, bpm, bar);
+    pub fn follow_clock(&mut self, at_secs: f64, beat: Beat, bpm: f64, bars: (f64, bool)) {
+        self.clocked.track.follow(at_secs, beat, bpm, bars);
     }
 
     /// From `at_secs` on, later than all so far, the beat is that of the songs.
@@ -98,20 +98,13 @@ impl Hearing {
         let bars = track.bars_between(from_secs, to_secs);
         bars.into_iter()
             .map(|bar| {
-                // A clock has neither energy nor sections: those of the music since the bar before.
+                // A clock has neither energy nor sections: those of the music, here since the bar before.
                 let of_music = self.bars_of_songs(bar.at_secs - bar.secs, bar.at_secs);
-                let energy =
-                    of_music.last().map_or_else(|| self.energy_before(bar.at_secs), |bar| bar.energy);
+                let energy = self.energy_by_songs(bar.at_secs);
                 let begins_section = of_music.iter().any(|bar| bar.begins_section);
                 BarLine { at_secs: bar.at_secs, secs: bar.secs, energy, begins_section }
             })
             .collect()
-    }
-
-    /// The energy of the music's last bar.
-    fn energy_before(&self, at_secs: f64) -> f32 {
-        const LONGEST_BAR_SECS: f64 = 15.0;
-        self.bars_of_songs(at_secs - LONGEST_BAR_SECS, at_secs).last().map_or(0.0, |bar| bar.energy)
     }
 
     /// How the camera frames the shape then: by the bars that are heard, and the seeds at times of the show, up to
@@ -149,7 +142,7 @@ mod tests {
     fn clocked() -> Hearing {
         let mut hearing = hearing();
         let mut track = ClockTrack::default();
-        track.follow(2.0, Beat { count: 5.0, confidence: 1.0 }, 150.0, 1.0);
+        track.follow(2.0, Beat { count: 5.0, confidence: 1.0 }, 150.0, (1.0, false));
         track.leave(9.0);
         hearing.know_clock(track);
         let bars = (0..6).map(|i| Bar { at_secs: 2.0 * f64::from(i), beats: 4 }).collect();
@@ -181,6 +174,17 @@ mod tests {
         let begin: Vec<f64> = told.iter().filter(|bar| bar.begins_section).map(|bar| bar.at_secs).collect();
         assert_eq!(begin.len(), 1, "{begin:?}");
         assert!((begin[0] - 6.8).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_energy_is_the_songs_wherever_in_its_bar_it_goes_on() {
+        let mut hearing = clocked();
+        for (at_secs, playing) in [(5.0, true), (6.0, false), (8.0, true)] {
+            hearing.begin(stretch(at_secs, 4.5, playing)).unwrap();
+        }
+        // Bars of the clock begin at 5.2, 6.8 and 8.4 s, each before the song's next one.
+        let energy = hearing.bars_between(5.0, 8.5).iter().map(|bar| bar.energy).collect::<Vec<_>>();
+        assert_eq!(energy, [0.8, 0.0, 0.8]);
     }
 
     #[test]
@@ -256,7 +260,7 @@ mod tests {
             let at_secs = f64::from(i) / 60.0;
             if (100..500).contains(&i) {
                 let count = 3.0 + 2.2 * (at_secs - 100.0 / 60.0);
-                live.follow_clock(at_secs, Beat { count, confidence: 1.0 }, 132.0, 0.0);
+                live.follow_clock(at_secs, Beat { count, confidence: 1.0 }, 132.0, (0.0, false));
             } else {
                 live.leave_clock(at_secs);
             }

@@ -80,6 +80,18 @@ impl Hearing {
         bars.map(|bar| BarLine { at_secs: bar.at_secs + later_secs, ..bar }).collect()
     }
 
+    /// The energy of the bar of the song that is heard then; 0 in a pause, and where no bars are known.
+    pub(super) fn energy_by_songs(&self, at_secs: f64) -> f32 {
+        let stretch = self.stretch_at(at_secs).map(|(stretch, _)| stretch).filter(|stretch| stretch.playing);
+        let energy = stretch.and_then(|stretch| {
+            let beats = self.songs.get(&stretch.song?)?.beats.as_ref()?;
+            let song_secs = stretch.song_secs_at(at_secs);
+            let begun = beats.bars.partition_point(|bar| bar.at_secs <= song_secs);
+            bar_lines_among(beats, begun.saturating_sub(1)..begun).last().map(|bar| bar.energy)
+        });
+        energy.unwrap_or(0.0)
+    }
+
     fn beat_of_song(&self, stretch: Stretch, song_secs: f64) -> Beat {
         let beats = stretch.song.and_then(|song| self.songs.get(&song)?.beats.as_ref());
         beats.map_or_else(Beat::default, |beats| {

@@ -136,7 +136,8 @@ impl Concert {
                 let (cells, _) = Staging::cells(area, apart.count);
                 self.draw(ui, shared, (rect, area), &cells, (frame, framing), pose)?;
             }
-            self.song_title.show(ui, rect, self.title_opacity(ui.input(|input| input.time)));
+            let opacity = self.title_opacity(ui.input(|input| input.time));
+            self.song_title.show(ui, rect, projection, opacity);
             if self.flashes {
                 let light = calibration_flash(ui.input(|input| input.time));
                 ui.painter().rect_filled(rect, 0.0, Color32::from_gray((255.0 * light).round() as u8));

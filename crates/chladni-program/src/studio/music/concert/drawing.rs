@@ -13,7 +13,7 @@ use super::frame::Frame;
 use super::stillness::StillPicture;
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::work::{Error, Staging};
+use crate::work::{Error, Staging, look_on_stage};
 
 /// So many times a trail's length after the last movement, less than a hundredth of it is left.
 const TRAILS_FADE: f64 = 5.0;
@@ -48,7 +48,8 @@ impl Concert {
         let buffers = self.deformed.buffers()?;
         // Beside a stage in a window of its own the gallery and a close-up have no sand: that lies on the stage.
         let has_sand = self.draws_stage || !frame.is_apart;
-        let grains = Some(self.sand.drawn()).filter(|all| has_sand && all.len() == cells.len());
+        let on_stage = look_on_stage(&self.instrument, shared.settings.music.look());
+        let grains = Some(self.sand.drawn(&on_stage)).filter(|all| has_sand && all.len() == cells.len());
         let grains = grains.unwrap_or_default();
         let mut drawn_vertices = 0;
         let figures: Vec<Figure<'_>> = (0..)

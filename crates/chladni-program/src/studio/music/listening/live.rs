@@ -63,6 +63,11 @@ impl Live {
         Fate::Unchanged
     }
 
+    /// Whether it comes from `source`, which may have another name than when it was opened.
+    pub(super) fn is_from(&self, source: &CaptureSource) -> bool {
+        self.source.as_ref().map_or_else(|| source.is_called(&self.name), |own| own.is_same(source))
+    }
+
     /// Takes the sound of the last `dt_secs`.
     pub(super) fn take(&mut self, dt_secs: f64, left: &mut Vec<f32>, right: &mut Vec<f32>) {
         let frames = self.capture.take(left, right);
@@ -92,6 +97,10 @@ impl Listening {
     }
 
     fn go_live(&mut self, live: Live) {
+        if self.live.is_none() {
+            // Nobody has asked for the tune that plays where no song was chosen.
+            self.resumes = self.plays_songs() && !self.has_only_the_tune();
+        }
         self.player.pause();
         (self.live, self.wanted) = (Some(live), None);
         self.forget_beat();
@@ -169,7 +178,7 @@ mod tests {
     use std::time::{Duration, Instant};
 
     use chladni_music::Parameters;
-    use chladni_sound::{Song, WavSample, capture_sources, write_wav};
+    use chladni_sound::{PlayerState, Song, WavSample, capture_sources, write_wav};
 
     use super::*;
     use crate::work::BeatCount;
@@ -208,6 +217,50 @@ mod tests {
         });
         let beat = listening.hearing.beat_at(listening.at_secs());
         assert!(beat.count >= 500.0, "{beat:?}");
+    }
+
+    #[test]
+    fn it_is_heard_on_where_a_stopped_player_goes_to_another_song() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        for go in [Listening::next_song, Listening::previous_song] {
+            let (capture, _feed) = Capture::fed(48_000).unwrap();
+            listening.listen_on(capture, "feed".into());
+            go(&mut listening, false);
+            assert_eq!(listening.live(), Some("feed"));
+            go(&mut listening, true);
+            assert!(listening.live().is_none());
+        }
+    }
+
+    #[test]
+    fn the_song_that_it_paused_plays_on_after_it() {
+        let ctx = egui::Context::default();
+        let mut listening = Listening::start(&ctx, 1.0, None).unwrap();
+        let mut feeds = Vec::new();
+        let mut listen = |listening: &mut Listening| {
+            let (capture, feed) = Capture::fed(48_000).unwrap();
+            feeds.push(feed);
+            listening.listen_on(capture, "feed".into());
+        };
+        let is_paused = |listening: &Listening| listening.player.status().state == PlayerState::Paused;
+        until("the tune", |_| listening.plays_songs());
+        listen(&mut listening);
+        assert!(!listening.resumes, "the tune, which nobody has chosen");
+        until("its pause", |_| is_paused(&listening));
+        listening.toggle_live(None, &ctx);
+        listening.append(vec![crate::work::formats::TUNE.into()]);
+        listening.player.play();
+        until("a song", |_| listening.plays_songs());
+        // From one live input to another.
+        listen(&mut listening);
+        listen(&mut listening);
+        until("the song's pause", |_| is_paused(&listening));
+        listening.toggle_live(None, &ctx);
+        until("the song again", |_| listening.plays_songs());
+        listening.player.pause();
+        until("a pause", |_| !listening.plays_songs());
+        listen(&mut listening);
+        assert!(!listening.resumes, "a song that was paused before");
     }
 
     #[test]
@@ -259,7 +312,10 @@ mod tests {
             source.is_some()
         });
         let source = source.unwrap();
+        let mut renamed = source.clone();
+        renamed.name = "piper (2)".into();
         let mut live = Live::new(Capture::start(&source).unwrap(), source.name.clone(), Some(source));
+        assert!(live.is_from(&renamed));
         let heard = |live: &mut Live, now_secs: f64| {
             let fate = live.keep(now_secs);
             live.capture.take(&mut Vec::new(), &mut Vec::new());

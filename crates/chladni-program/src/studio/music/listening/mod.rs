@@ -2,6 +2,7 @@
 //! at the moment that is heard.
 
 mod beats;
+mod comparing;
 mod ear;
 mod learning;
 mod live;
@@ -25,6 +26,7 @@ use chladni_sound::{
     Spectrum, WavSample, sample_tune, write_wav,
 };
 
+use comparing::Comparison;
 use egui::Context;
 use live::Live;
 use outer::Outer;
@@ -40,12 +42,16 @@ pub struct Listening {
     live: Option<Live>,
     /// A live input that is looked for.
     wanted: Option<Wanted>,
+    /// Songs were playing when live input began, and do so again after it.
+    resumes: bool,
     input: Input,
     clock: ShowClock,
     hearing: Hearing,
     /// The songs of the show, by number.
     repertoire: Vec<ShowSong>,
     study: Option<Study>,
+    /// Songs of the show that was opened, while they are compared with those that it names.
+    comparison: Option<Comparison>,
     /// The song that was heard when findings were taken in last.
     learned_of: Option<usize>,
     /// Where covers become textures.
@@ -168,11 +174,13 @@ impl Listening {
             player,
             live: None,
             wanted: None,
+            resumes: false,
             input: Input::default(),
             clock: ShowClock::default(),
             hearing: Hearing::default(),
             repertoire: Vec::new(),
             study: None,
+            comparison: None,
             learned_of: None,
             ctx: ctx.clone(),
             beats_changed: false,
@@ -253,13 +261,13 @@ impl Listening {
     /// Goes on with a show in which `heard` was heard of `songs`, in part to a `clock`, until `at`; they are
     /// played from now on.
     pub fn go_on(&mut self, songs: Vec<ShowSong>, heard: &[Stretch], clock: ClockTrack, at: Moment) {
-        (self.live, self.wanted, self.study) = (None, None, None);
+        (self.live, self.wanted, self.study, self.comparison) = (None, None, None, None);
         self.hearing = Hearing::continued(heard, clock, at.at_secs);
         self.clock = ShowClock::from(at.at_secs);
         // No beat goes back: neither that which is heard nor that of an outer clock.
         self.last_beat.count = at.at_beat.max(self.hearing.beat_at(at.at_secs).count);
         self.ear.beats = BeatCount::from(self.last_beat.count);
-        self.outer.was_followed = false;
+        (self.outer.was_followed, self.outer.bar_count) = (false, None);
         (self.repertoire, self.taps) = (songs, None);
         let mut list: Vec<PathBuf> = Vec::new();
         for song in &self.repertoire {
@@ -287,18 +295,23 @@ impl Listening {
         self.hearing.beats_at(moment)
     }
 
-    /// The song after the one that plays; live input ends. Without `plays`, a paused song is followed by a paused one.
+    /// The song after the one that plays; live input ends. Without `plays`, a paused song is followed by a paused one, and
+    /// live input is heard on, or once it is open.
     pub fn next_song(&mut self, plays: bool) {
-        let plays = plays || self.live.is_some();
-        self.stop_listening();
+        self.leave_for(plays);
         self.player.next(plays);
     }
 
     /// The one before it, or its beginning, likewise.
     pub fn previous_song(&mut self, plays: bool) {
-        let plays = plays || self.live.is_some();
-        self.stop_listening();
+        self.leave_for(plays);
         self.player.previous(plays);
+    }
+
+    fn leave_for(&mut self, plays: bool) {
+        if plays {
+            self.stop_listening();
+        }
     }
 
     /// The player.
@@ -324,6 +337,8 @@ impl Listening {
 
     /// The messages since the last call.
     pub fn messages(&mut self) -> Vec<Message> {
+        let changed = self.comparison.iter().flat_map(Comparison::warnings);
+        self.warnings.extend(changed.map(|warning| warning.to_string()));
         let messages: Vec<Message> = self.player.events().filter_map(Message::of).collect();
         self.warnings.drain(..).map(Message::Warning).chain(messages).collect()
     }

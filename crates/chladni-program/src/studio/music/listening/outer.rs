@@ -20,6 +20,10 @@ pub struct Outer {
     is_of_music: bool,
     /// The music's, since the last bar of the clock.
     section_begins: bool,
+    /// A bar of the clock that has begun with the last beat, until it is reported.
+    fresh_bar: Option<BarLine>,
+    /// The count with which the last bar began, where the beats are still counted alike.
+    pub bar_count: Option<f64>,
 }
 
 /// How much goes on, and how many bars and sections have begun since listening began.
@@ -29,6 +33,8 @@ pub struct Progress {
     pub sections: u32,
     /// In [0, 1], of the bar that began last.
     pub energy: f32,
+    /// Bars of an outer clock begin where its count is this and a multiple of four; `None` where none is followed.
+    pub bar_offset: Option<f64>,
 }
 
 impl Progress {
@@ -47,7 +53,15 @@ impl Listening {
 
     /// Takes a clock's message at `at_secs` of the clock that [`hear`](Self::hear) uses.
     pub fn hear_clock(&mut self, message: ClockMessage, at_secs: f64) {
-        self.outer.tempo.hear(message, at_secs);
+        match message {
+            // The first that a clock says: the beat of the music goes on at its tempo.
+            ClockMessage::Tempo { bpm }
+                if self.last_beat.confidence > 0.0 && self.outer.tempo == Tempo::default() =>
+            {
+                self.outer.tempo = self.music_at(bpm);
+            }
+            _ => self.outer.tempo.hear(message, at_secs),
+        }
     }
 
     /// Whether the beat is that of an outer clock, or locked.
@@ -64,16 +78,11 @@ impl Listening {
     /// Goes on at the present tempo, whatever is heard; or listens again.
     pub fn lock(&mut self, on: bool) {
         if on && !self.follows_clock() {
-            let mut tempo = Tempo::default();
-            tempo.set(self.beat_moment().tempo_bpm, self.last_beat.count, self.shown_secs());
+            let tempo = self.music_at(self.beat_moment().tempo_bpm);
             if !tempo.is_known() {
                 return self.warnings.push("There is no tempo to hold yet.".into());
             }
-            // Held before the camera begins anew, which asks whether it is followed.
-            tempo.lock(true);
-            self.outer.tempo = tempo;
-            (self.outer.was_followed, self.outer.is_of_music) = (true, true);
-            self.film_anew();
+            (self.outer.tempo, self.outer.is_of_music) = (tempo, true);
         }
         self.outer.tempo.lock(on);
         if !on {
@@ -82,6 +91,15 @@ impl Listening {
                 self.outer.tempo = Tempo::default();
             }
         }
+    }
+
+    /// The beat and the bars of the music, as they go on at a tempo from the moment that is shown.
+    fn music_at(&self, bpm: f64) -> Tempo {
+        let count = self.last_beat.count;
+        let bar_count = self.outer.bar_count.unwrap_or(count.floor());
+        let mut tempo = Tempo::default();
+        tempo.set(bpm, count, bar_count, self.shown_secs());
+        tempo
     }
 
     /// Moves the beat; positive comes sooner.
@@ -121,30 +139,41 @@ impl Listening {
         }
         let at_secs = self.clock.at_secs();
         if !follows {
+            // Where a song is counted otherwise, its bar has begun with another count.
+            if !(0.0..2.0).contains(&(by_music.count - self.last_beat.count)) {
+                self.outer.bar_count = None;
+            }
+            self.progress.bar_offset = None;
             self.hearing.leave_clock(at_secs);
             return by_music;
         }
         let shown_secs = self.shown_secs();
         let tempo = &mut self.outer.tempo;
-        let beat = tempo.at(shown_secs);
-        // A show that is filmed later has these beats.
-        self.hearing.follow_clock(at_secs, beat, tempo.bpm().unwrap_or(0.0), tempo.bar_offset());
+        let (beat, bar_offset) = (tempo.at(shown_secs), tempo.bar_offset());
+        // What the next message changes does not change this bar. Its energy is known where it is reported.
+        let fresh_bar = tempo.bar(shown_secs, 0.0, false);
+        // A show that is filmed later has these beats and bars.
+        let bpm = tempo.bpm().unwrap_or(0.0);
+        self.hearing.follow_clock(at_secs, beat, bpm, (tempo.bar_count(), fresh_bar.is_some()));
+        self.outer.fresh_bar = fresh_bar;
+        self.progress.bar_offset = Some(bar_offset);
         self.outer_beat = beat;
         beat
     }
 
-    /// The bars to report: those of the clock where it is followed, with what `of_music` say of energy and sections.
+    /// The bars to report: those of the clock where the last beat was its, with what `of_music` say of energy and sections.
     pub(super) fn bars_or(&mut self, of_music: Vec<BarLine>) -> Vec<BarLine> {
-        let bars = if self.follows_clock() {
-            let shown_secs = self.shown_secs();
+        let bars = if self.outer.was_followed {
             let outer = &mut self.outer;
             if let Some(last) = of_music.last() {
                 self.progress.energy = last.energy;
             }
             outer.section_begins |= of_music.iter().any(|bar| bar.begins_section);
-            let bar = outer.tempo.bar(shown_secs, self.progress.energy, outer.section_begins);
+            let bar = outer.fresh_bar.take().map(|bar| {
+                let begins_section = std::mem::take(&mut outer.section_begins);
+                BarLine { energy: self.progress.energy, begins_section, ..bar }
+            });
             if let Some(bar) = bar {
-                outer.section_begins = false;
                 self.director.hear(bar);
             }
             // The show has its own time.
@@ -152,6 +181,9 @@ impl Listening {
         } else {
             of_music
         };
+        if !bars.is_empty() {
+            self.outer.bar_count = Some(self.last_beat.count.floor());
+        }
         bars.iter().for_each(|bar| self.progress.hear(bar));
         bars
     }
@@ -223,6 +255,60 @@ mod tests {
             listening.lock(false);
         }
         assert!(!listening.follows_clock());
+    }
+
+    /// The beats and bars of frames from one time to another, a tenth of a second apart, as the window asks for them.
+    fn frames(listening: &mut Listening, from_secs: f64, to_secs: f64) -> Vec<(f64, usize)> {
+        let mut seen = Vec::new();
+        for frame in 0..((to_secs - from_secs) * 10.0) as u32 {
+            let bars = listening.bars_or(Vec::new()).len();
+            seen.push((listening.last_beat.count, bars));
+            listening.last_secs = from_secs + 0.1 * f64::from(frame);
+            listening.last_beat = listening.beat_or(listening.last_beat);
+        }
+        seen
+    }
+
+    #[test]
+    fn a_tempo_that_is_held_keeps_the_bars_of_the_music() {
+        let mut listening = listening();
+        listening.last_beat = Beat { count: 11.1, confidence: 1.0 };
+        let bar = BarLine { at_secs: 0.0, secs: 2.0, energy: 0.5, begins_section: false };
+        assert_eq!(listening.bars_or(vec![bar]).len(), 1);
+        // The third beat of its bar sounds.
+        listening.last_beat.count = 13.5;
+        listening.lock(true);
+        let seen = frames(&mut listening, 0.1, 4.1);
+        let begin: Vec<f64> =
+            seen.iter().filter(|(_, bars)| *bars > 0).map(|(count, _)| count.floor()).collect();
+        assert_eq!(begin, [15.0, 19.0]);
+    }
+
+    #[test]
+    fn the_first_tempo_of_a_clock_leaves_the_beat_in_its_place() {
+        let mut listening = listening();
+        listening.last_beat = Beat { count: 12.37, confidence: 1.0 };
+        listening.last_secs = 5.0;
+        listening.hear_clock(ClockMessage::Tempo { bpm: 120.0 }, 5.005);
+        let seen = frames(&mut listening, 5.1, 5.35);
+        assert!((seen[1].0 - 12.57).abs() < 1e-6, "{seen:?}");
+    }
+
+    #[test]
+    fn no_bar_begins_where_a_clock_is_taken_up() {
+        // With its first tempo, and where that and a start came earlier: bars begin 2, 4 and 6 s after it.
+        for (known, from_secs, begin) in [(false, 5.05, 1), (true, 8.8, 2)] {
+            let mut listening = listening();
+            listening.want_clock(!known);
+            listening.hear_clock(ClockMessage::Tempo { bpm: 120.0 }, 5.04);
+            if known {
+                listening.hear_clock(ClockMessage::Start, 5.04);
+            }
+            listening.want_clock(true);
+            let seen = frames(&mut listening, from_secs, from_secs + 3.4);
+            let bars: usize = seen.iter().map(|(_, bars)| bars).sum();
+            assert_eq!(bars, begin, "{seen:?}");
+        }
     }
 
     #[test]

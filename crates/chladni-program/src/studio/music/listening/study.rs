@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::thread::JoinHandle;
+use std::thread::{Builder, JoinHandle};
 
 use chladni_sound::{Beats, Song, SongOptions, SongReader, SongTags, SoundError, track_beats};
 use chladni_task::Task;
@@ -52,10 +52,14 @@ pub struct Study {
 impl Study {
     /// Begins to read `path`; its beats are tracked where they are not `known` already.
     pub fn begin(number: usize, path: &Path, known: bool, ctx: &Context) -> Self {
+        Self::on(Builder::new().name("song".into()), number, (path, known), ctx)
+    }
+
+    fn on(thread: Builder, number: usize, (path, known): (&Path, bool), ctx: &Context) -> Self {
         let (task, (teller, findings)) = (Task::new(), channel());
         let (path, worker) = (path.to_owned(), task.clone());
-        let ctx = ctx.clone();
-        let thread = std::thread::spawn(move || {
+        let (ctx, refused) = (ctx.clone(), teller.clone());
+        let thread = thread.spawn(move || {
             // Nobody listens any more where another song is studied.
             study(&path, known, &ctx, &worker, |learned| drop(teller.send(learned)));
             // A show names each file by its hash, also one that cannot be studied. Hashed here, it does not keep saving
@@ -64,7 +68,11 @@ impl Study {
                 known_hash(&path);
             }
         });
-        Self { number, task, findings, thread: Some(thread) }
+        if let Err(why) = &thread {
+            let why = format!("No thread can begin to read the song: {why}");
+            let _ = refused.send(Learned::Nothing(Some(why)));
+        }
+        Self { number, task, findings, thread: thread.ok() }
     }
 
     /// The next finding, if there is one.
@@ -140,6 +148,15 @@ mod tests {
         };
         assert!(matches!(next(), Learned::Tags(_)));
         assert!(matches!(next(), Learned::Nothing(Some(_))));
+        assert!(study.learned().is_none());
+    }
+
+    #[test]
+    fn a_song_for_which_no_thread_can_begin_is_given_up_once() {
+        // No machine has this much memory for a stack.
+        let thread = Builder::new().stack_size(1 << 62);
+        let mut study = Study::on(thread, 0, (Path::new("song.wav"), false), &Context::default());
+        assert!(matches!(study.learned(), Some(Learned::Nothing(Some(_)))));
         assert!(study.learned().is_none());
     }
 

@@ -64,10 +64,16 @@ impl Listening {
         self.input = input;
     }
 
-    /// Switches to the live input of this name, or back to the songs if live input is on or looked for.
+    /// Switches to the live input of this name, or back to the songs if live input is on or looked for; the song that it
+    /// paused plays on.
     pub fn toggle_live(&mut self, name: Option<&str>, ctx: &Context) {
         if self.live.is_some() || self.wanted.is_some() {
-            return self.stop_listening();
+            let resumes = self.live.is_some() && self.resumes;
+            self.stop_listening();
+            if resumes {
+                self.player.play();
+            }
+            return;
         }
         match name {
             Some(name) => self.listen_to_named(name, ctx),
@@ -77,10 +83,12 @@ impl Listening {
         }
     }
 
-    /// Whether the live input of this name is listened to, or will be once it is open.
-    pub fn listens_to(&self, name: &str) -> bool {
-        let wanted = self.wanted.as_ref().map(|wanted| wanted.name.as_str());
-        wanted.or(self.live()) == Some(name)
+    /// Whether this live input is listened to, or will be once it is open.
+    pub fn listens_to(&self, source: &CaptureSource) -> bool {
+        match (&self.wanted, &self.live) {
+            (Some(wanted), _) => source.is_called(&wanted.name),
+            (None, live) => live.as_ref().is_some_and(|live| live.is_from(source)),
+        }
     }
 
     /// Looks for a live input, and listens to it once it is found.
@@ -88,7 +96,7 @@ impl Listening {
         let wanted = name.to_owned();
         self.want(name, ctx, move || {
             let all = capture_sources().map_err(|why| format!("{wanted}: {why}"))?;
-            Ok(all.into_iter().find(|source| source.name == wanted))
+            Ok(all.into_iter().find(|source| source.is_called(&wanted)))
         });
     }
 
@@ -212,13 +220,17 @@ mod tests {
         ];
         for choose in instead {
             listening.listen_to_named("no such input", &ctx);
-            assert!(listening.listens_to("no such input") && !listening.listens_to("another"));
+            assert!(listening.wanted.is_some());
             choose(&mut listening);
-            assert!(listening.wanted.is_none() && !listening.listens_to("no such input"));
+            assert!(listening.wanted.is_none());
         }
         // A window is opened with both.
         listening.listen_to_named("no such input", &ctx);
         listening.add(vec!["song.flac".into()]);
+        assert!(listening.wanted.is_some());
+        // Nor do media keys leave a live input for the songs.
+        listening.next_song(false);
+        listening.previous_song(false);
         assert!(listening.wanted.is_some());
     }
 

@@ -37,11 +37,15 @@ pub struct Now<'a> {
 /// The last state that was sent.
 #[derive(Debug, Default)]
 pub struct Sent {
-    /// Bars are known one frame after the beat that they begin with, so beats are sent one frame late.
-    beat: f64,
+    /// Bars are known one frame after the beat that they begin with, so beats are sent one frame late: the count, the
+    /// bars of a clock ([`Progress::bar_offset`]), and when that was.
+    beat: (f64, Option<f64>, f64),
+    /// When the beats were counted that were sent last.
+    beats_secs: f64,
     beats: Option<i64>,
-    /// The beat with which the bar began; until one has, no beat has a number.
+    /// The beat with which the bar began; where that is not known, no beat has a number.
     bar_begins: Option<i64>,
+    is_of_clock: bool,
     bars: u32,
     sections: Option<u32>,
     tempo_bpm: f64,
@@ -57,11 +61,25 @@ impl Sent {
             messages.push(OscMessage { addr: address.to_owned(), args });
         };
         let progress = now.progress;
+        let beat = (now.beat.count, progress.bar_offset, now.at_secs);
         if self.beats.is_none() {
             // Where the show goes on already, nothing begins now.
-            (self.beat, self.bars) = (now.beat.count, progress.bars);
+            (self.beat, self.bars) = (beat, progress.bars);
         }
-        let beats = std::mem::replace(&mut self.beat, now.beat.count).floor() as i64;
+        let (count, bar_offset, counted_secs) = std::mem::replace(&mut self.beat, beat);
+        let beats = count.floor() as i64;
+        let last = self.beats.replace(beats);
+        let was_of_clock = std::mem::replace(&mut self.is_of_clock, bar_offset.is_some());
+        let steps = last.map_or(0, |last| beats - last);
+        // A frame may take longer than a beat.
+        let waited_secs = counted_secs - std::mem::replace(&mut self.beats_secs, counted_secs);
+        let most_steps = 1.0 + 1.5 * waited_secs.max(0.0) * now.tempo_bpm / 60.0;
+        if let Some(bar_offset) = bar_offset {
+            self.bar_begins = Some(beats - (beats - bar_offset as i64).rem_euclid(4));
+        } else if was_of_clock || !(0.0..=most_steps).contains(&(steps as f64)) {
+            // The beats are counted otherwise: they have no number until a bar begins.
+            self.bar_begins = None;
+        }
         if (now.tempo_bpm - self.tempo_bpm).abs() > 0.05 {
             self.tempo_bpm = now.tempo_bpm;
             tell("/tempo", vec![OscType::Float(now.tempo_bpm as f32)]);
@@ -69,16 +87,22 @@ impl Sent {
         if self.sections.replace(progress.sections) != Some(progress.sections) {
             tell("/section", vec![OscType::Int(progress.sections as i32)]);
         }
-        if std::mem::replace(&mut self.bars, progress.bars) != progress.bars {
-            self.bar_begins = Some(beats);
+        let new_bar = std::mem::replace(&mut self.bars, progress.bars) != progress.bars;
+        if new_bar {
+            // In a frame of more than one beat only a clock knows with which of them the bar began.
+            if steps <= 1 {
+                self.bar_begins = Some(beats);
+            } else if bar_offset.is_none() {
+                self.bar_begins = None;
+            }
             tell("/bar", vec![OscType::Int(progress.bars as i32)]);
             tell("/energy", vec![OscType::Float(progress.energy)]);
         }
-        if self.beats.replace(beats).is_some_and(|last| last != beats)
+        // A clock that starts just after a beat begins its bar with that one.
+        if (steps != 0 || new_bar)
             && let Some(bar_begins) = self.bar_begins
         {
-            let in_bar = 1 + (beats - bar_begins).max(0);
-            tell("/beat", vec![OscType::Int(in_bar as i32)]);
+            tell("/beat", vec![OscType::Int((1 + beats - bar_begins) as i32)]);
         }
         let waited = now.at_secs - self.bands_secs;
         if !(0.0..BANDS_SECS).contains(&waited) {
@@ -216,11 +240,11 @@ mod tests {
         assert_eq!(of("/tempo").len(), 1);
         assert_eq!((of("/section").len(), of("/energy").len()), (1, of("/bar").len()));
         let beats = of("/beat");
-        assert_eq!(beats.len(), 19, "{beats:?}");
+        assert_eq!(beats.len(), 20, "{beats:?}");
         for (i, (at_secs, message)) in beats.iter().enumerate() {
-            let due_secs = 0.5 * (i + 1) as f64;
+            let due_secs = 0.5 * i as f64;
             assert!((at_secs - due_secs).abs() < 0.035, "{at_secs} {message:?}");
-            assert_eq!(message.args, [OscType::Int(1 + (i as i32 + 1) % 4)], "{at_secs}");
+            assert_eq!(message.args, [OscType::Int(1 + i as i32 % 4)], "{at_secs}");
         }
         let bands = of("/bands");
         assert!((295..=305).contains(&bands.len()), "{}", bands.len());
@@ -253,6 +277,73 @@ mod tests {
         let expected = [("/bar", 38), ("/beat", 1), ("/beat", 2), ("/beat", 3), ("/beat", 4)];
         let expected = expected.map(|(address, number)| (address, OscType::Int(number)));
         assert_eq!(counted, expected);
+    }
+
+    /// The numbers of `/bar` and `/beat` in frames with these counts, bars so far, and bars of a clock.
+    fn counted(frames: &[(f64, u32, Option<f64>)]) -> Vec<(&'static str, i32)> {
+        let frames = frames.iter().enumerate();
+        counted_at(frames.map(|(frame, seen)| (0.1 * frame as f64, *seen)))
+    }
+
+    /// The same, in frames at these times.
+    fn counted_at(
+        frames: impl IntoIterator<Item = (f64, (f64, u32, Option<f64>))>,
+    ) -> Vec<(&'static str, i32)> {
+        let (mut sent, mut counted) = (Sent::default(), Vec::new());
+        for (at_secs, (count, bars, bar_offset)) in frames {
+            let now = Now {
+                at_secs,
+                beat: Beat { count, confidence: 1.0 },
+                beat_at: Instant::now(),
+                tempo_bpm: 120.0,
+                progress: Progress { bars, bar_offset, ..Progress::default() },
+                bands: &[],
+                ahead_secs: 0.0,
+            };
+            for message in sent.messages(&now) {
+                let name = ["/bar", "/beat"].into_iter().find(|name| message.addr == *name);
+                if let (Some(name), OscType::Int(number)) = (name, &message.args[0]) {
+                    counted.push((name, *number));
+                }
+            }
+        }
+        counted
+    }
+
+    #[test]
+    fn beats_that_are_counted_otherwise_have_no_number_until_a_bar_begins() {
+        let song =
+            [(3.0, 0), (4.0, 0), (5.0, 1), (25.0, 1), (26.0, 1), (27.0, 1), (28.0, 2), (13.0, 2), (14.0, 2)];
+        let said = counted(&song.map(|(count, bars)| (count, bars, None)));
+        assert_eq!(said, [("/bar", 1), ("/beat", 1), ("/beat", 2), ("/bar", 2), ("/beat", 1), ("/beat", 2)]);
+    }
+
+    #[test]
+    fn beats_keep_their_numbers_where_a_frame_takes_longer_than_a_beat() {
+        let frames = [(0.05, 0), (0.55, 1), (1.55, 1), (2.05, 1), (2.55, 2)];
+        let said = counted_at(frames.map(|(secs, bars)| (secs, (2.0 * secs, bars, None))));
+        let begun = [("/bar", 1), ("/beat", 1), ("/beat", 2), ("/beat", 4)];
+        assert_eq!(said, [&begun[..], &[("/bar", 2), ("/beat", 1)]].concat());
+        // A bar has begun within that frame: a clock knows with which beat.
+        let frames = [(1.95, 0), (2.95, 0), (3.0, 1), (3.5, 1), (4.0, 1), (4.5, 2)];
+        let said = |bars_of_clock: Option<f64>| {
+            counted_at(frames.map(|(secs, bars)| (secs, (2.0 * secs, bars, bars_of_clock))))
+        };
+        let (bar, next) = (("/bar", 1), [("/bar", 2), ("/beat", 1)]);
+        assert_eq!(said(None), [bar, next[0], next[1]]);
+        assert_eq!(said(Some(0.0)), [bar, ("/beat", 2), ("/beat", 3), ("/beat", 4), next[0], next[1]]);
+    }
+
+    #[test]
+    fn the_beats_of_a_clock_have_its_numbers_and_a_start_is_the_first() {
+        // It starts just after a beat, is given another place in its bar, and is left for a song.
+        let clock = [(8.5, 0), (9.0, 0), (9.1, 0)].map(|(count, bars)| (count, bars, Some(0.0)));
+        let started = [(9.2, 0), (9.7, 1), (10.0, 1)].map(|(count, bars)| (count, bars, Some(1.0)));
+        let moved = [(10.6, 1), (11.0, 1)].map(|(count, bars)| (count, bars, Some(0.0)));
+        let song = [(11.5, 1), (12.0, 1), (13.0, 1), (14.0, 2)].map(|(count, bars)| (count, bars, None));
+        let said = counted(&[&clock[..], &started, &moved, &song].concat());
+        let begun = [("/beat", 2), ("/bar", 1), ("/beat", 1), ("/beat", 2)];
+        assert_eq!(said, [&begun[..], &[("/beat", 4), ("/bar", 2), ("/beat", 1)]].concat());
     }
 
     #[test]

@@ -206,10 +206,11 @@ impl Performance {
         let buffers = deformed.buffers()?;
         let area = Rect::of_size(canvas.width(), canvas.height());
         let instrument = &self.instrument;
-        let look = look_on_stage(instrument, self.look).answering(&mood);
+        let on_stage = look_on_stage(instrument, self.look);
+        let look = on_stage.answering(&mood);
         let from = (viewpoint, framing.as_ref());
         let staged = self.staging.set(area, count, from, &look, reaction, instrument);
-        let grains = self.sand.drawn();
+        let grains = self.sand.drawn(&on_stage);
         let figure = |item| Figure {
             grains: grains.get(item).copied(),
             ..staged.figure(&deformed.topology, &buffers, item, wardrobe)
