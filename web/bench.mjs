@@ -21,6 +21,7 @@ function weights() {
   console.log(`for the first picture, with the plate: ${sizes([...first, "bodies/plate.body"])}`);
   console.log(`for threads, once something is solved: ${sizes(threads)}`);
   console.log(`octopus: ${sizes(["bodies/octopus.body"])}`);
+  console.log(`sample head, and its match: ${sizes(["bodies/head.body", "bodies/head.match"])}`);
 }
 
 const { address, stop } = await serve(folder);
