@@ -41,8 +41,8 @@ const FORMAT: Format = Format::Glb;
 /// where textures are seen alone.
 ///
 /// # Errors
-/// [`MeshError::Unwritable`] where coordinates, also those of textures, do not fit `f32`, a shape is smaller than 1e-30, a target has not n
-/// displacements, the mesh's parts do not belong together, or the file would pass 4 GiB or 2^24 vertices.
+/// [`MeshError::Unwritable`] where coordinates, also those of textures, do not fit `f32`, a shape is smaller than 1e-30, a
+/// target has not n displacements, the mesh's parts do not belong together, or the file would pass 4 GiB or 2^24 vertices.
 pub fn write_glb(mesh: &TriMesh, targets: &[MorphTarget]) -> Result<Vec<u8>, MeshError> {
     write(mesh, targets, None, &Task::new())
 }

@@ -198,14 +198,11 @@ fn it_does_all_its_actions_or_none_where_the_flash_guard_holds_the_stage_back() 
     assert!(begun > 0 && whole.count() == begun, "{actions:?}");
 }
 
-#[test]
-fn it_begins_at_once_on_live_input_where_the_window_opens_for_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let [ball, _] = ball_and_song(folder.path());
-    let (input, _feed) = Capture::fed(44_100).unwrap();
-    let trace = Trace::default();
+/// A window that opens for the autopilot, on a ball and live input.
+fn piloted(folder: &Path, folders: Folders, input: Capture, trace: &Trace) -> Window {
+    let [ball, _] = ball_and_song(folder);
     let opening = Opening {
-        folders: folders(folder.path()),
+        folders,
         files: vec![ball],
         set: SetPlan { autopilot: true, ..SetPlan::default() },
         input: Some(input),
@@ -213,7 +210,15 @@ fn it_begins_at_once_on_live_input_where_the_window_opens_for_it() {
         now: no_time,
         ..Opening::default()
     };
-    let mut window = open_with(opening, Harness::builder().with_size([1000.0, 640.0]));
+    open_with(opening, Harness::builder().with_size([1000.0, 640.0]))
+}
+
+#[test]
+fn it_begins_at_once_on_live_input_where_the_window_opens_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (input, _feed) = Capture::fed(44_100).unwrap();
+    let trace = Trace::default();
+    let mut window = piloted(folder.path(), folders(folder.path()), input, &trace);
     wait(&mut window, "the stage", |_| trace.borrow().last().is_some_and(|frame| frame.on_stage));
     window.run_steps(3);
     // The key ends it, and it does not begin again.
@@ -229,20 +234,11 @@ fn what_a_crash_left_is_asked_about_once_the_stage_is_left() {
     let recovery = folder.path().join("recovery");
     std::fs::create_dir(&recovery).unwrap();
     std::fs::write(recovery.join("show-1-0.toml"), "format_version = 1\nseed = 3\nsize = 6\n").unwrap();
-    let [ball, _] = ball_and_song(folder.path());
     let (input, _feed) = Capture::fed(44_100).unwrap();
     let trace = Trace::default();
-    let opening = Opening {
-        folders: Folders { recovery: Some(recovery), ..folders(folder.path()) },
-        files: vec![ball],
-        set: SetPlan { autopilot: true, ..SetPlan::default() },
-        input: Some(input),
-        trace: Some(trace.clone()),
-        now: no_time,
-        ..Opening::default()
-    };
+    let folders = Folders { recovery: Some(recovery), ..folders(folder.path()) };
     let asks = |window: &Window| shows(window, "The last show did not end well");
-    let mut window = open_with(opening, Harness::builder().with_size([1000.0, 640.0]));
+    let mut window = piloted(folder.path(), folders, input, &trace);
     wait(&mut window, "the stage", |window| {
         assert!(!asks(window), "it would vanish with the stage");
         trace.borrow().last().is_some_and(|frame| frame.on_stage)

@@ -3,24 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use chladni_sound::{PlayerEvent, Song, WavSample, write_wav};
+use chladni_sound::{Song, WavSample, write_wav};
 
-use super::{silent, wait};
-
-/// All that a player hands out of `songs`, which it plays without a crossfade.
-fn heard(songs: Vec<PathBuf>) -> [Vec<f32>; 2] {
-    let player = silent();
-    let (mut from, mut left, mut right) = (None, Vec::new(), Vec::new());
-    // From the first frame on.
-    player.take_heard(&mut from, &mut left, &mut right);
-    player.play_list(songs);
-    wait("the end", || {
-        player.take_heard(&mut from, &mut left, &mut right);
-        player.events().any(|event| event == PlayerEvent::Finished)
-    });
-    player.take_heard(&mut from, &mut left, &mut right);
-    [left, right]
-}
+use super::{heard, silent};
 
 /// Writes `sound`, cut at a frame, as two songs.
 fn cut_in_two(folder: &Path, sound: &[f32], rate_hz: u32, at: usize) -> Vec<PathBuf> {
@@ -41,7 +26,7 @@ fn a_ramp_that_was_cut_in_two_comes_out_whole_to_the_sample() {
     const STEP: f32 = 1.0 / 131_072.0;
     let ramp: Vec<f32> = (1..=60_000u16).map(|n| f32::from(n) * STEP).collect();
     for at in [30_000, 30_001, 41_007] {
-        let [left, right] = heard(cut_in_two(folder.path(), &ramp, 48_000, at));
+        let [left, right] = heard(&silent(), cut_in_two(folder.path(), &ramp, 48_000, at), |_| ());
         assert!(left.len() > ramp.len() - at + 4_800, "the cut was heard: {} frames", left.len());
         let first = left.iter().position(|x| *x > 0.0).unwrap();
         let sound = &left[first..];
@@ -73,7 +58,7 @@ fn a_tone_of_another_rate_that_was_cut_in_two_comes_out_whole() {
     let folder = tempfile::tempdir().unwrap();
     let sound = tone(44_100, 1.4);
     for at in [30_000, 30_031] {
-        let [left, _] = heard(cut_in_two(folder.path(), &sound, 44_100, at));
+        let [left, _] = heard(&silent(), cut_in_two(folder.path(), &sound, 44_100, at), |_| ());
         // The last frames are the end of the tone itself.
         let whole = &left[..left.len() - 1_000];
         let first = whole.iter().position(|x| *x != 0.0).unwrap();
@@ -111,7 +96,7 @@ fn an_encoded_tone_that_was_cut_in_two_comes_out_whole() {
             println!("skipped: no ffmpeg that writes {ending}");
             continue;
         };
-        let [left, _] = heard(songs);
+        let [left, _] = heard(&silent(), songs, |_| ());
         // Frames that are lost or added anywhere put all before them out of step.
         let shift = sound.len() as isize - left.len() as isize;
         let pairs = left.iter().enumerate().filter_map(|(n, heard)| {

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use chladni_sound::{HeardTo, Player, PlayerEvent, PlayerState, Repeat, Song, WavSample, write_wav};
+use chladni_sound::{Player, PlayerEvent, PlayerState, Repeat, Song, WavSample, write_wav};
 use chladni_testdata::HANGS;
 
-use super::{paused_at, silent, wait};
+use super::{Ear, paused_at, silent, wait};
 
 const RATE_HZ: u32 = 48_000;
 /// Each sample of a ramp says exactly which one it is.
@@ -26,11 +26,7 @@ fn write_ramp(folder: &Path, name: &str, first: u32, secs: f64) -> PathBuf {
 /// Plays to the end of the list, and says what was heard.
 fn heard_to_the_end(ear: &mut Ear, player: &Player) -> Vec<(i64, i64)> {
     player.play();
-    wait("the end", || {
-        ear.hear(player);
-        player.events().any(|event| event == PlayerEvent::Finished)
-    });
-    ear.hear(player);
+    ear.hear_to_the_end(player, |_| ());
     parts(&ear.left)
 }
 
@@ -44,25 +40,6 @@ fn parts(left: &[f32]) -> Vec<(i64, i64)> {
         }
     }
     parts
-}
-
-/// What is heard of a player.
-struct Ear {
-    from: Option<HeardTo>,
-    left: Vec<f32>,
-    right: Vec<f32>,
-}
-
-impl Ear {
-    fn new(player: &Player) -> Self {
-        let mut ear = Self { from: None, left: Vec::new(), right: Vec::new() };
-        player.take_heard(&mut ear.from, &mut ear.left, &mut ear.right);
-        ear
-    }
-
-    fn hear(&mut self, player: &Player) {
-        player.take_heard(&mut self.from, &mut self.left, &mut self.right);
-    }
 }
 
 #[test]

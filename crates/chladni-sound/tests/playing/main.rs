@@ -11,7 +11,9 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-use chladni_sound::{Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, Song, WavSample, write_wav};
+use chladni_sound::{
+    HeardTo, Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, Song, WavSample, write_wav,
+};
 use chladni_testdata::HANGS;
 
 fn silent() -> Player {
@@ -34,6 +36,44 @@ fn wait(what: &str, mut done: impl FnMut() -> bool) {
         assert!(Instant::now() < end, "waited {HANGS:?} for {what}");
         std::thread::sleep(Duration::from_millis(2));
     }
+}
+
+/// What is heard of a player.
+struct Ear {
+    from: Option<HeardTo>,
+    left: Vec<f32>,
+    right: Vec<f32>,
+}
+
+impl Ear {
+    /// From now on.
+    fn new(player: &Player) -> Self {
+        let mut ear = Self { from: None, left: Vec::new(), right: Vec::new() };
+        ear.hear(player);
+        ear
+    }
+
+    fn hear(&mut self, player: &Player) {
+        player.take_heard(&mut self.from, &mut self.left, &mut self.right);
+    }
+
+    /// Until the list has ended; `each` looks at the player meanwhile.
+    fn hear_to_the_end(&mut self, player: &Player, mut each: impl FnMut(&Player)) {
+        wait("the end", || {
+            self.hear(player);
+            each(player);
+            player.events().any(|event| event == PlayerEvent::Finished)
+        });
+        self.hear(player);
+    }
+}
+
+/// All that is heard of `songs`, from the first frame on; `each` looks at the player meanwhile.
+fn heard(player: &Player, songs: Vec<PathBuf>, each: impl FnMut(&Player)) -> [Vec<f32>; 2] {
+    let mut ear = Ear::new(player);
+    player.play_list(songs);
+    ear.hear_to_the_end(player, each);
+    [ear.left, ear.right]
 }
 
 /// The longest that a thread was kept waiting for a processor while `work` ran.
@@ -200,18 +240,11 @@ fn one_song_fades_into_the_next() {
     let player = silent();
     player.set_crossfade_secs(1.0);
     player.pause();
-    let (mut from, mut left, mut right) = (None, Vec::new(), Vec::new());
-    // From the first frame on.
-    player.take_heard(&mut from, &mut left, &mut right);
-    player.play_list(songs[..2].to_vec());
     let mut fades = Vec::new();
-    wait("the end", || {
-        player.take_heard(&mut from, &mut left, &mut right);
+    let [left, right] = heard(&player, songs[..2].to_vec(), |player| {
         let status = player.status();
         fades.push((status.song, status.crossfade_secs));
-        player.events().any(|event| event == PlayerEvent::Finished)
     });
-    player.take_heard(&mut from, &mut left, &mut right);
     fades.dedup();
     assert!(fades.ends_with(&[(0, 0.0), (1, 1.0)]), "{fades:?}");
     assert!((3.0..=3.5).contains(&(left.len() as f64 / 48_000.0)), "{}", left.len());
@@ -247,15 +280,7 @@ fn between_long_songs_a_short_one_fades_over_half_of_it_at_most() {
     let player = silent();
     player.set_crossfade_secs(1.0);
     player.pause();
-    let (mut from, mut left, mut right) = (None, Vec::new(), Vec::new());
-    // From the first frame on.
-    player.take_heard(&mut from, &mut left, &mut right);
-    player.play_list(songs.to_vec());
-    wait("the end", || {
-        player.take_heard(&mut from, &mut left, &mut right);
-        player.events().any(|event| event == PlayerEvent::Finished)
-    });
-    player.take_heard(&mut from, &mut left, &mut right);
+    let [left, right] = heard(&player, songs.to_vec(), |_| ());
     assert!((1.5..=2.0).contains(&(left.len() as f64 / 48_000.0)), "{}", left.len());
     // The long ones are on one side: together they would be louder.
     let worst = left.iter().zip(&right).map(|(l, r)| (l * l + r * r - 0.25).abs()).fold(0.0, f32::max);
