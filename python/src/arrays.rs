@@ -30,7 +30,6 @@ fn as_array<'py>(
     order: &str,
     kinds: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
-    refuse_masked(object, name)?;
     let numpy = object.py().import("numpy")?;
     let mut array = numpy
         .call_method1("asarray", (object,))
@@ -54,6 +53,7 @@ fn as_array<'py>(
 
 /// Any number of dimensions of f64, in C or F order.
 fn floats<'py>(object: Any<'_, 'py>, name: &str, order: &str) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+    refuse_masked(object, name)?;
     as_array(object, name, "float64", order, "fiub")?.extract()
 }
 

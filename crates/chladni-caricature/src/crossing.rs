@@ -52,14 +52,13 @@ impl Crossings {
     /// # Errors
     /// [`Cancelled`] through `task`.
     pub fn triangles(&self, positions: &[Vec3], task: &Task) -> Result<Vec<u32>, Cancelled> {
-        // Of a shape that is a point but for rounding, each triangle would be compared with each other one.
         const POINT: f64 = 1e-9;
-        let diagonal = |of: &[Vec3]| Bounds::of(of.iter().copied()).diagonal();
-        if diagonal(positions) <= POINT * diagonal(&self.surface.positions) {
-            return Ok(Vec::new());
-        }
         let mut tree = self.tree.clone();
         tree.fit(|t| bounds(&self.surface, t, positions));
+        // Of a shape that is a point but for rounding, each triangle would be compared with each other one.
+        if tree.bounds().diagonal() <= POINT * self.tree.bounds().diagonal() {
+            return Ok(Vec::new());
+        }
         // A mark per triangle: on a crumpled surface a list of pairs could fill the memory.
         let crossed: Vec<AtomicBool> = tree.order().iter().map(|_| AtomicBool::new(false)).collect();
         let slots: Vec<usize> = (0..crossed.len()).collect();

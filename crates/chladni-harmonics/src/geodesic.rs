@@ -4,11 +4,10 @@
 use std::sync::Arc;
 
 use chladni_mesh::TriMesh;
-use chladni_mesh::surface::components;
 
 use crate::heat::{HeatFlow, HeatStep};
 use crate::laplacian::{Cover, MOLLIFY, cover_laplacian, delaunay_cover};
-use crate::operator::{Domain, refuse_zero_area};
+use crate::operator::Domain;
 use crate::{HarmonicsError, laplacian};
 
 /// The heat at a source. With it, heat stays above 0 over a path of 1,200 edges; with 1 it would over 700.
@@ -47,9 +46,9 @@ impl HeatGeodesics {
     /// No usable triangle, coordinates that are not finite, an index out of range, a mesh without area, or a `time` that
     /// is not positive, infinite, or too large to compute with: a step of more than a million times the surface's area.
     pub fn of(mesh: &TriMesh, time: f64) -> Result<Self, HarmonicsError> {
-        let Domain { frame, positions, triangles, operator_vertex, .. } = Domain::of(mesh)?;
-        let component = components(positions.len(), &triangles);
-        refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
+        let domain = Domain::of(mesh)?;
+        let component = domain.components()?;
+        let Domain { frame, positions, triangles, operator_vertex, .. } = domain;
         let cover = delaunay_cover(&positions, &triangles, MOLLIFY)?;
         let (stiffness, mass) = cover_laplacian(&cover, positions.len());
         let area = mass.iter().sum::<f64>();

@@ -43,10 +43,9 @@ impl CoverReport {
     /// # Errors
     /// Those of [`Operator::of`].
     pub fn of(mesh: &TriMesh) -> Result<Self, HarmonicsError> {
-        let Domain { positions, triangles, operator_vertex, .. } = Domain::of(mesh)?;
-        let component = components(positions.len(), &triangles);
-        refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
-        Ok(delaunay_cover(&positions, &triangles, MOLLIFY)?.report())
+        let domain = Domain::of(mesh)?;
+        domain.components()?;
+        Ok(delaunay_cover(&domain.positions, &domain.triangles, MOLLIFY)?.report())
     }
 }
 
@@ -73,6 +72,13 @@ impl Domain {
             *p = frame.to_working(*p);
         }
         Ok(Self { frame, positions, triangles, operator_vertex, without_area })
+    }
+
+    /// The connected component of each vertex; an error if none has an area.
+    pub(crate) fn components(&self) -> Result<Vec<u32>, HarmonicsError> {
+        let component = components(self.positions.len(), &self.triangles);
+        refuse_zero_area(&self.positions, &self.triangles, &component, &self.operator_vertex)?;
+        Ok(component)
     }
 }
 
@@ -228,9 +234,8 @@ impl Operator {
     }
 
     pub(crate) fn on(domain: &Domain, laplacian: Laplacian) -> Result<Self, HarmonicsError> {
+        let component = domain.components()?;
         let Domain { frame, positions, triangles, operator_vertex, without_area } = domain.clone();
-        let component = components(positions.len(), &triangles);
-        refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
         let ((stiffness, mass), cover) = match laplacian {
             Laplacian::Delaunay => {
                 let cover = delaunay_cover(&positions, &triangles, MOLLIFY)?;
@@ -300,7 +305,7 @@ fn refused(refusal: Refusal, operator_vertex: &[Option<u32>]) -> HarmonicsError 
 }
 
 /// Returns an error if no component has an area. One that only rounding has flattened is no reason to refuse the others.
-pub(crate) fn refuse_zero_area(
+fn refuse_zero_area(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
     component: &[u32],

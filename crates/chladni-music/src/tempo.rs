@@ -165,8 +165,7 @@ impl Tempo {
     /// The number of the beat within its bar, from 1.
     #[cfg(test)]
     fn beat_in_bar(&self, secs: f64) -> Option<u32> {
-        let beats = self.place(secs + self.nudge_secs)? * self.beats_per_quarter();
-        Some(1 + beats.floor().rem_euclid(QUARTERS_PER_BAR) as u32)
+        Some(1 + self.beats_of_song(secs)?.floor().rem_euclid(QUARTERS_PER_BAR) as u32)
     }
 
     /// Bars begin where the count of [`at`](Self::at) is this and a multiple of four.
@@ -215,14 +214,18 @@ impl Tempo {
         self.grid.map(|grid| if self.runs { grid.at(secs) } else { grid.quarters })
     }
 
+    /// The beats from the beginning of the song to `secs`.
+    fn beats_of_song(&self, secs: f64) -> Option<f64> {
+        Some(self.place(secs + self.nudge_secs)? * self.beats_per_quarter())
+    }
+
     fn count(&self, secs: f64) -> Option<f64> {
-        Some(self.origin + self.place(secs + self.nudge_secs)? * self.beats_per_quarter())
+        Some(self.origin + self.beats_of_song(secs)?)
     }
 
     /// The number of the bar at `secs`, from the beginning of the song.
     fn bar_under_way(&self, secs: f64) -> Option<f64> {
-        let beats = self.place(secs + self.nudge_secs)? * self.beats_per_quarter();
-        Some((beats / QUARTERS_PER_BAR).floor())
+        Some((self.beats_of_song(secs)? / QUARTERS_PER_BAR).floor())
     }
 
     /// The place in the song is another one: a bar that begins with it is new, one under way is not. The picture may lag
@@ -330,12 +333,10 @@ impl Tempo {
         }
         // A move to another place in the bar must not step the beat.
         let moved_beats = (moved * self.beats_per_quarter()).round();
-        if moved_beats != 0.0 {
-            self.origin -= moved_beats;
-            // Less than half a quarter is the same place, heard sooner or later.
-            if moved.abs() >= 0.5 {
-                self.bar_anew(whole);
-            }
+        self.origin -= moved_beats;
+        // Less than half a quarter is the same place, heard sooner or later.
+        if moved_beats != 0.0 && moved.abs() >= 0.5 {
+            self.bar_anew(whole);
         }
     }
 

@@ -17,9 +17,13 @@ pub(crate) fn linear(color: [u8; 3]) -> [f32; 3] {
     color.map(|c| decoded(f32::from(c) / 255.0))
 }
 
-/// Relative luminance of an sRGB color (WCAG 2.2), in [0, 1].
+/// Relative luminance of an sRGB color, in [0, 1].
 pub(crate) fn luminance(color: [u8; 3]) -> f32 {
-    let [r, g, b] = linear(color);
+    brightness(linear(color))
+}
+
+/// Relative luminance of a linear-light color (WCAG 2.2).
+pub(crate) fn brightness([r, g, b]: [f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 

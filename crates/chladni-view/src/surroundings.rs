@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use image::RgbaImage;
 
-use crate::style::{decoded, encoded};
+use crate::style::{brightness, decoded, encoded};
 use crate::{Device, Picture, Skin, ViewError};
 
 /// A picture behind all cells of a renderer, in place of the backgrounds' colors, and a panorama that lights their
@@ -133,9 +133,9 @@ impl Sphere<'_> {
     }
 
     fn mean(&self) -> f32 {
-        let (sum, all) = self.texels().fold((0.0, 0.0), |(sum, all), (_, y, [r, g, b])| {
+        let (sum, all) = self.texels().fold((0.0, 0.0), |(sum, all), (_, y, light)| {
             let share = self.share(y);
-            (sum + share * (0.2126 * r + 0.7152 * g + 0.0722 * b), all + share)
+            (sum + share * brightness(light), all + share)
         });
         if all > 0.0 { sum / all } else { 0.0 }
     }

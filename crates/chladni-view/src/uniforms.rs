@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
-use crate::style::linear;
+use crate::style::{brightness, linear};
 use crate::{Answer, Cell, Figure, NodalLines, Paint, Panorama, Samples, Surroundings, ViewError};
 
 /// Texels of a side, columns and rows of `count` maps in a texture of at most `limit` texels a side.
@@ -133,7 +133,6 @@ pub(crate) fn check_figure(figure: &Figure<'_>) -> Result<(), ViewError> {
 const PANORAMA: f32 = 1.8;
 
 pub(crate) fn cell_uniform(cell: &Cell<'_>, encode: bool, surroundings: &Surroundings) -> CellUniform {
-    let brightness = |[r, g, b]: [f32; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
     let usual = 0.5 * (brightness(cell.lights.sky) + brightness(cell.lights.ground));
     let around = surroundings.around.as_ref().map_or(0.0, |_| PANORAMA * usual / Panorama::MEAN);
     let behind = surroundings.behind.as_ref().map_or(0.0, |(_, aspect)| *aspect);

@@ -7,7 +7,7 @@ use chladni_mesh::{OnSurface, symmetric_eigen_of};
 use chladni_task::Task;
 use rayon::prelude::*;
 
-use super::{SymmetrySettings, first_waving};
+use super::{Class, SymmetrySettings, first_waving};
 use crate::MusicError;
 
 /// How the harmonics of one repeated eigenvalue are mixed: `H'_j = Σ_i H_i mix[i][j]`.
@@ -36,32 +36,36 @@ impl Rotation {
     }
 }
 
-/// ⟨H_k, H_k∘T⟩ / (‖H_k‖ ‖H_k∘T‖) for each harmonic, after each group of repeated eigenvalues has been
+/// The class of each harmonic, and its ⟨H_k, H_k∘T⟩ / (‖H_k‖ ‖H_k∘T‖).
+type Classified = Vec<(Class, f64)>;
+
+/// Classifies the harmonics, after each group of repeated eigenvalues has been
 /// rotated such that the mirror acts on each of its harmonics as +1 or −1.
 pub(super) fn mirrored(
     body: &Body,
     image: &[OnSurface],
     settings: &SymmetrySettings,
     task: &Task,
-) -> Result<(Vec<f64>, Vec<Rotation>), MusicError> {
+) -> Result<(Classified, Vec<Rotation>), MusicError> {
     let basis = &*body.basis;
     let groups = repeated(basis, settings.cluster_gap);
-    let found: Vec<(Vec<f64>, Option<Rotation>)> = groups
+    let found: Vec<(Classified, Option<Rotation>)> = groups
         .into_par_iter()
         .map(|group| {
             task.check()?;
             let is_last = group.end == basis.harmonics();
             let settings = if is_last { settings.of_last() } else { *settings };
-            Ok(classify(body, image, group, &settings))
+            let (scores, rotation) = classify(body, image, group, &settings);
+            Ok((scores.into_iter().map(|score| (settings.class(score), score)).collect(), rotation))
         })
         .collect::<Result<_, MusicError>>()?;
-    let mut scores = Vec::with_capacity(basis.harmonics());
+    let mut classified = Vec::with_capacity(basis.harmonics());
     let mut rotations = Vec::new();
-    for (group_scores, rotation) in found {
-        scores.extend(group_scores);
+    for (of_group, rotation) in found {
+        classified.extend(of_group);
         rotations.extend(rotation);
     }
-    Ok((scores, rotations))
+    Ok((classified, rotations))
 }
 
 /// The rotation of each group of repeated eigenvalues without a mirror: it is determined by the geometry

@@ -147,18 +147,15 @@ impl Symmetry {
         task.check()?;
         let mirrored = if settings.by_vote { None } else { mirror(body, &extrema.pairs, settings, task)? };
         if let Some((plane, image)) = mirrored {
-            let (scores, rotations) = cluster::mirrored(body, &image, settings, task)?;
-            let mut found = Self::new(extrema, scores, rotations, SymmetryMethod::Mirror(plane), settings);
-            let last = repeated(basis, settings.cluster_gap).pop().unwrap_or_default();
-            for (class, score) in found.classes.iter_mut().zip(&found.scores).skip(last.start) {
-                *class = settings.of_last().class(*score);
-            }
-            return Ok(found);
+            let (classified, rotations) = cluster::mirrored(body, &image, settings, task)?;
+            let (classes, scores) = classified.into_iter().unzip();
+            return Ok(Self::new(extrema, classes, scores, rotations, SymmetryMethod::Mirror(plane)));
         }
         let scores = extrema.vote(basis, settings);
         let by_majority = SymmetrySettings { decided: f64::MIN_POSITIVE, ..*settings };
+        let classes = scores.iter().map(|&score| by_majority.class(score)).collect();
         let rotations = cluster::unmirrored(body, settings, task)?;
-        let mut found = Self::new(extrema, scores, rotations, SymmetryMethod::Vote, &by_majority);
+        let mut found = Self::new(extrema, classes, scores, rotations, SymmetryMethod::Vote);
         if settings.by_vote {
             let undecided = found.classes.iter_mut().filter(|c| **c == Class::Undecided);
             undecided.for_each(|c| *c = Class::Antisymmetric);
@@ -168,12 +165,11 @@ impl Symmetry {
 
     fn new(
         extrema: paper::Extrema,
+        classes: Vec<Class>,
         scores: Vec<f64>,
         rotations: Vec<Rotation>,
         method: SymmetryMethod,
-        settings: &SymmetrySettings,
     ) -> Self {
-        let classes = scores.iter().map(|&score| settings.class(score)).collect();
         let paper::Extrema { counts, vertices, pairs, .. } = extrema;
         Self { classes, scores, extrema_counts: counts, extrema: vertices, pairs, rotations, method }
     }

@@ -199,9 +199,11 @@ impl Args {
             scratch: Some(scratch),
         };
         let cache = if self.no_cache { None } else { basis_cache() };
-        let vertices = weld(&mesh).positions.len();
-        if let Some(harmonics) = self.harmonics.filter(|k| *k > vertices && vertices > 0) {
-            return Err(named(HarmonicsError::BadHarmonicCount { harmonics, vertices }));
+        if let Some(harmonics) = self.harmonics {
+            let vertices = weld(&mesh).positions.len();
+            if harmonics > vertices && vertices > 0 {
+                return Err(named(HarmonicsError::BadHarmonicCount { harmonics, vertices }));
+            }
         }
         let wanted =
             (self.operator.is_some() || ranks.is_some()).then(|| Operator::with(&mesh, settings.laplacian));

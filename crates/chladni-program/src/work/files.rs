@@ -113,8 +113,8 @@ pub fn resolve_looks(looks: Looks, folder: Option<&Path>) -> (Looks, Vec<Warning
         if path.is_empty() {
             return path;
         }
-        match resolve(&FileRef { path, blake3: None }, folder) {
-            Ok((found, _)) => found.to_string_lossy().into_owned(),
+        match find(&FileRef { path, blake3: None }, folder) {
+            Ok(found) => found.to_string_lossy().into_owned(),
             Err(why) => {
                 warnings.push(Warning::Plain(format!("{why}: the dance goes on without it")));
                 String::new()

@@ -2,25 +2,23 @@
 
 use std::io::{Read, Result, Seek, SeekFrom};
 
-use super::mended::{Ending, Lengths, header, is_placeholder};
+use super::mended::{Ending, Lengths, MAX_CHUNKS, header, is_placeholder};
 
-/// The most chunks that are visited; valid files have a few before their sound.
-const MAX_CHUNKS: usize = 4096;
 /// The length of a chunk has 32 bits.
 const LONGEST: u64 = u32::MAX as u64;
 
 /// The lengths of an AIFF or AIFC file, as far as they are not those of what is there.
 pub(super) fn lengths<R: Read + Seek + ?Sized>(source: &mut R) -> Result<Lengths> {
     let end = source.seek(SeekFrom::End(0))?;
-    let (_, form_length) = header(source, 0)?;
-    if ![*b"AIFF", *b"AIFC"].contains(&header(source, 8)?.0) {
+    let (_, form_length) = chunk(source, 0)?;
+    if ![*b"AIFF", *b"AIFC"].contains(&chunk(source, 8)?.0) {
         return Ok(Lengths::default());
     }
-    let form_end = 8 + u64::from(u32::from_be_bytes(form_length));
+    let form_end = 8 + form_length;
     let (mut at, mut frames) = (12, None);
     for _ in 0..MAX_CHUNKS {
-        let (name, length) = header(source, at)?;
-        let (begin, length) = (at + 8, u64::from(u32::from_be_bytes(length)));
+        let (name, length) = chunk(source, at)?;
+        let begin = at + 8;
         match &name {
             b"COMM" => {
                 let ([_, _, a, b], [c, d, ..]) = header(source, begin)?;
@@ -64,12 +62,17 @@ pub(super) fn lengths<R: Read + Seek + ?Sized>(source: &mut R) -> Result<Lengths
 fn whole_chunks<R: Read + Seek + ?Sized>(source: &mut R, mut at: u64, end: u64) -> u64 {
     for _ in 0..MAX_CHUNKS {
         let begin = at.next_multiple_of(2);
-        let Ok((_, length)) = header(source, begin) else { break };
-        let next = begin + 8 + u64::from(u32::from_be_bytes(length));
+        let Ok((_, length)) = chunk(source, begin) else { break };
+        let next = begin + 8 + length;
         if next > end {
             break;
         }
         at = next;
     }
     at
+}
+
+/// The name of the chunk at `at`, and its length in bytes.
+fn chunk<R: Read + Seek + ?Sized>(source: &mut R, at: u64) -> Result<([u8; 4], u64)> {
+    header(source, at).map(|(name, length)| (name, u32::from_be_bytes(length).into()))
 }

@@ -2,7 +2,8 @@
 
 use std::io::{Read, Result, Seek, SeekFrom};
 
-use super::mended::{Ending, Lengths, header};
+use super::mended::{Ending, Lengths};
+use super::mp4_edits::box_at;
 
 /// The most boxes or elements that are visited; fragments of some seconds make hours of sound.
 const MAX_PARTS: usize = 1 << 16;
@@ -19,19 +20,10 @@ pub(super) fn mp4<R: Read + Seek + ?Sized>(source: &mut R) -> Result<Lengths> {
     let end = source.seek(SeekFrom::End(0))?;
     let mut at = 0;
     for _ in 0..MAX_PARTS {
-        let (length, kind) = header(source, at)?;
-        let length = match u32::from_be_bytes(length) {
-            1 => {
-                let mut long = [0; 8];
-                source.read_exact(&mut long)?;
-                u64::from_be_bytes(long)
-            }
-            length => length.into(),
-        };
-        // A length of 0 reaches to the end.
-        let Some(next) = at.checked_add(length).filter(|next| length >= 8 && *next <= LAST_END) else {
-            break;
-        };
+        let (kind, _, length) = box_at(source, at)?;
+        // One without a length reaches to the end.
+        let next = length.filter(|length| *length >= 8).and_then(|length| at.checked_add(length));
+        let Some(next) = next.filter(|next| *next <= LAST_END) else { break };
         if next > end {
             return Ok(match &kind {
                 b"mdat" => Lengths { end: Some(next), ending: Ending::Cut, ..Lengths::default() },

@@ -76,6 +76,9 @@ impl MediaSource for Mended {
     }
 }
 
+/// The most chunks that are visited; valid files have a few before their sound.
+pub(super) const MAX_CHUNKS: usize = 4096;
+
 /// The first two words at `at`: of a chunk its name and its length, of a box of an MP4 its length and its name.
 pub(super) fn header<R: Read + Seek + ?Sized>(source: &mut R, at: u64) -> Result<([u8; 4], [u8; 4])> {
     let mut bytes = [0; 8];

@@ -6,6 +6,8 @@
 
 use std::io::{self, Read, Seek, SeekFrom};
 
+use super::mended::header;
+
 /// The audible part of the first sound track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Audible {
@@ -101,6 +103,23 @@ fn single_edit(body: &[u8]) -> Option<(u64, u64)> {
     edit
 }
 
+/// The kind of the box at `at`, and how long its header and all of it are; `None` where it reaches to the end.
+pub(super) fn box_at<R: Read + Seek + ?Sized>(
+    source: &mut R,
+    at: u64,
+) -> io::Result<([u8; 4], u64, Option<u64>)> {
+    let (length, kind) = header(source, at)?;
+    Ok(match u32::from_be_bytes(length) {
+        0 => (kind, 8, None),
+        1 => {
+            let mut long = [0; 8];
+            source.read_exact(&mut long)?;
+            (kind, 16, Some(u64::from_be_bytes(long)))
+        }
+        length => (kind, 8, Some(length.into())),
+    })
+}
+
 struct Walk<'a, R: ?Sized> {
     source: &'a mut R,
     boxes_left: usize,
@@ -112,22 +131,13 @@ impl<R: Read + Seek + ?Sized> Walk<'_, R> {
         let mut at = within.start;
         while at + 8 <= within.end {
             self.boxes_left = self.boxes_left.checked_sub(1)?;
-            let mut head = [0u8; 16];
-            self.read_at(at, &mut head[..8]).ok()?;
-            let mut size = u64::from(u32::from_be_bytes(head[..4].try_into().ok()?));
-            let mut body = 8;
-            if size == 1 {
-                self.read_at(at, &mut head).ok()?;
-                size = u64_at(&head, 8)?;
-                body = 16;
-            } else if size == 0 {
-                size = within.end - at;
-            }
+            let (found, body, size) = box_at(self.source, at).ok()?;
+            let size = size.unwrap_or(within.end - at);
             let end = at.checked_add(size)?;
             if size < body || end > within.end {
                 return None;
             }
-            if &head[4..8] == kind {
+            if found == *kind {
                 return Some(at + body..end);
             }
             at = end;

@@ -2,10 +2,7 @@
 
 use std::io::{Read, Result, Seek, SeekFrom};
 
-use super::mended::{Lengths, header, is_placeholder};
-
-/// The most chunks that are visited; valid files have a few before their sound.
-const MAX_CHUNKS: usize = 4096;
+use super::mended::{Lengths, MAX_CHUNKS, header, is_placeholder};
 
 /// The lengths of a WAV file that were never filled in. They read as 0xff: as a length that means "unknown", and as a name a
 /// chunk to be skipped.

@@ -149,11 +149,11 @@ fn save((note, recording): (PathBuf, CutOff)) -> Saved {
     let is_empty = recording.is_empty();
     let film = recording.save().map_err(Error::from);
     // Where there is nothing to save, that is said once; what fails otherwise may succeed at the next start.
-    if film.is_ok() || is_empty {
+    let waits = film.is_err() && !is_empty;
+    if !waits {
         let _ = std::fs::remove_file(&note);
     }
-    let waits = (film.is_err() && !is_empty).then_some(folder);
-    Saved { was, film, waits }
+    Saved { was, film, waits: waits.then_some(folder) }
 }
 
 #[cfg(test)]

@@ -315,12 +315,17 @@ impl MusicRoom {
         }
         let (mut songs, mut found) = (Vec::new(), Vec::new());
         for song in &show.songs {
-            let file = find(&song.file(), path.parent());
-            found.extend(file.as_ref().ok().map(|file| (file.clone(), song.file())));
-            let file = file.unwrap_or_else(|why| {
-                shared.notices.warn(why);
-                placed(&song.path, path.parent())
-            });
+            let named = song.file();
+            let file = match find(&named, path.parent()) {
+                Ok(file) => {
+                    found.push((file.clone(), named));
+                    file
+                }
+                Err(why) => {
+                    shared.notices.warn(why);
+                    placed(&song.path, path.parent())
+                }
+            };
             songs.push(ShowSong::new(file, song.reading));
         }
         self.late_songs_follow = !songs.is_empty() && !self.late_songs.is_empty();

@@ -1,6 +1,7 @@
 //! Beats, bars and framing of a show by its songs.
 
 use chladni_music::{BarLine, Beat, Director, Framing, Stretch};
+use chladni_sound::Beats;
 
 use super::{Hearing, SongDirector};
 use crate::work::bars::{bar_lines, bar_lines_among};
@@ -65,13 +66,16 @@ impl Hearing {
         self.directors.get(&number).map_or_else(Framing::default, |known| known.director.at(song_secs))
     }
 
+    /// The stretch that plays at `at_secs`, and its song's beats; `None` in a pause, and where these are not known.
+    fn playing_at(&self, at_secs: f64) -> Option<(Stretch, &Beats)> {
+        let (stretch, _) = self.stretch_at(at_secs).filter(|(stretch, _)| stretch.playing)?;
+        Some((stretch, self.songs.get(&stretch.song?)?.beats.as_ref()?))
+    }
+
     /// The bars of the songs that have begun after `from_secs` of the show, up to `to_secs`, in the stretch that is
     /// heard then.
     pub(super) fn bars_of_songs(&self, from_secs: f64, to_secs: f64) -> Vec<BarLine> {
-        let stretch = self.stretch_at(to_secs).map(|(stretch, _)| stretch);
-        let Some(stretch) = stretch.filter(|stretch| stretch.playing) else { return Vec::new() };
-        let beats = stretch.song.and_then(|song| self.songs.get(&song)?.beats.as_ref());
-        let Some(beats) = beats else { return Vec::new() };
+        let Some((stretch, beats)) = self.playing_at(to_secs) else { return Vec::new() };
         // A bar with which the stretch begins has begun with it.
         let from_secs = from_secs.max(stretch.at_secs - 1e-9);
         let later_secs = stretch.at_secs - stretch.song_secs;
@@ -82,14 +86,10 @@ impl Hearing {
 
     /// The energy of the bar of the song that is heard then; 0 in a pause, and where no bars are known.
     pub(super) fn energy_by_songs(&self, at_secs: f64) -> f32 {
-        let stretch = self.stretch_at(at_secs).map(|(stretch, _)| stretch).filter(|stretch| stretch.playing);
-        let energy = stretch.and_then(|stretch| {
-            let beats = self.songs.get(&stretch.song?)?.beats.as_ref()?;
-            let song_secs = stretch.song_secs_at(at_secs);
-            let begun = beats.bars.partition_point(|bar| bar.at_secs <= song_secs);
-            bar_lines_among(beats, begun.saturating_sub(1)..begun).last().map(|bar| bar.energy)
-        });
-        energy.unwrap_or(0.0)
+        let Some((stretch, beats)) = self.playing_at(at_secs) else { return 0.0 };
+        let song_secs = stretch.song_secs_at(at_secs);
+        let begun = beats.bars.partition_point(|bar| bar.at_secs <= song_secs);
+        bar_lines_among(beats, begun.saturating_sub(1)..begun).last().map_or(0.0, |bar| bar.energy)
     }
 
     fn beat_of_song(&self, stretch: Stretch, song_secs: f64) -> Beat {

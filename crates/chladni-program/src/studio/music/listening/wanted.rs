@@ -85,9 +85,9 @@ impl Listening {
 
     /// Whether this live input is listened to, or will be once it is open.
     pub fn listens_to(&self, source: &CaptureSource) -> bool {
-        match (&self.wanted, &self.live) {
-            (Some(wanted), _) => source.is_called(&wanted.name),
-            (None, live) => live.as_ref().is_some_and(|live| live.is_from(source)),
+        match &self.wanted {
+            Some(wanted) => source.is_called(&wanted.name),
+            None => self.live.as_ref().is_some_and(|live| live.is_from(source)),
         }
     }
 

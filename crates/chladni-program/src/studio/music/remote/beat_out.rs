@@ -34,18 +34,24 @@ pub struct Now<'a> {
     pub ahead_secs: f64,
 }
 
+/// How the beats are counted in one frame.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counted {
+    beats: i64,
+    /// The bars of a clock ([`Progress::bar_offset`]).
+    bar_offset: Option<i64>,
+    at_secs: f64,
+}
+
 /// The last state that was sent.
 #[derive(Debug, Default)]
 pub struct Sent {
-    /// Bars are known one frame after the beat that they begin with, so beats are sent one frame late: the count, the
-    /// bars of a clock ([`Progress::bar_offset`]), and when that was.
-    beat: (f64, Option<f64>, f64),
-    /// When the beats were counted that were sent last.
-    beats_secs: f64,
-    beats: Option<i64>,
+    /// Bars are known one frame after the beat that they begin with, so beats are sent one frame late.
+    next: Counted,
+    /// The beats that were sent last.
+    last: Option<Counted>,
     /// The beat with which the bar began; where that is not known, no beat has a number.
     bar_begins: Option<i64>,
-    is_of_clock: bool,
     bars: u32,
     sections: Option<u32>,
     tempo_bpm: f64,
@@ -61,22 +67,24 @@ impl Sent {
             messages.push(OscMessage { addr: address.to_owned(), args });
         };
         let progress = now.progress;
-        let beat = (now.beat.count, progress.bar_offset, now.at_secs);
-        if self.beats.is_none() {
+        let next = Counted {
+            beats: now.beat.count.floor() as i64,
+            bar_offset: progress.bar_offset.map(|offset| offset as i64),
+            at_secs: now.at_secs,
+        };
+        if self.last.is_none() {
             // Where the show goes on already, nothing begins now.
-            (self.beat, self.bars) = (beat, progress.bars);
+            (self.next, self.bars) = (next, progress.bars);
         }
-        let (count, bar_offset, counted_secs) = std::mem::replace(&mut self.beat, beat);
-        let beats = count.floor() as i64;
-        let last = self.beats.replace(beats);
-        let was_of_clock = std::mem::replace(&mut self.is_of_clock, bar_offset.is_some());
-        let steps = last.map_or(0, |last| beats - last);
+        let counted = std::mem::replace(&mut self.next, next);
+        let last = self.last.replace(counted).unwrap_or(counted);
+        let Counted { beats, bar_offset, at_secs } = counted;
+        let steps = beats - last.beats;
         // A frame may take longer than a beat.
-        let waited_secs = counted_secs - std::mem::replace(&mut self.beats_secs, counted_secs);
-        let most_steps = 1.0 + 1.5 * waited_secs.max(0.0) * now.tempo_bpm / 60.0;
+        let most_steps = 1.0 + 1.5 * (at_secs - last.at_secs).max(0.0) * now.tempo_bpm / 60.0;
         if let Some(bar_offset) = bar_offset {
-            self.bar_begins = Some(beats - (beats - bar_offset as i64).rem_euclid(4));
-        } else if was_of_clock || !(0.0..=most_steps).contains(&(steps as f64)) {
+            self.bar_begins = Some(beats - (beats - bar_offset).rem_euclid(4));
+        } else if last.bar_offset.is_some() || !(0.0..=most_steps).contains(&(steps as f64)) {
             // The beats are counted otherwise: they have no number until a bar begins.
             self.bar_begins = None;
         }
