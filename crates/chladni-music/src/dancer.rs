@@ -1,6 +1,7 @@
 //! A body prepared for dancing: the data that every frame needs.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use chladni_harmonics::{Basis, Body};
 use chladni_mesh::Orientation;
@@ -12,6 +13,7 @@ use rayon::prelude::*;
 use crate::probes::{Probes, rest_normals};
 use crate::sides::Sides;
 use crate::steepness::{Patch, steepness};
+use crate::swelling::swelling;
 use crate::swing::Swing;
 use crate::unison::unisons;
 use crate::{Class, Form, MusicError, SymmetrySettings, Timbre, symmetry};
@@ -35,11 +37,13 @@ pub struct Dancer {
     pub liveliest: [f32; 3],
     pub(crate) probes: Probes,
     pub(crate) swing: Swing,
+    /// The mask of the modal form.
+    pub(crate) swelling: Arc<[f32]>,
     /// For each harmonic, the range of those that sound in unison with it.
     unisons: Vec<Range<u32>>,
     /// Reach of one unit of each harmonic in the filter form, with its unison: Σ H_k x̃_k.
     filter_reach: Vec<Reach>,
-    /// Reach of one unit of each harmonic in the modal form: H_k n.
+    /// Reach of one unit of each harmonic in the modal form: H_k n under its mask.
     modal_reach: Vec<Reach>,
     octaves: Vec<u8>,
     /// λ of the slowest wave.
@@ -95,6 +99,8 @@ impl Dancer {
         let spectrum = single(&spectrum64);
         let runs = unisons(basis, classes, SymmetrySettings::default().cluster_gap);
         let normals = rest_normals(body);
+        let box_diagonal = box_diagonal(&body.positions);
+        let swelling = swelling(body, &normals, box_diagonal);
         let patches = Patch::among(body, PATCHES);
         let of_runs: Vec<(Reach, Option<Patch>)> =
             runs.par_iter().map(|run| in_unison(basis, &spectrum64, run.clone(), &patches)).collect();
@@ -102,8 +108,9 @@ impl Dancer {
             .into_par_iter()
             .map(|k| {
                 let h = basis.harmonic(k);
-                let along = |v: u32| normals[v as usize].map(|n| h[v as usize] as f32 * n);
-                let displacement = h.iter().fold(0.0, |m: f64, h| m.max(h.abs())) as f32;
+                let far = |v: usize| swelling[v] * h[v] as f32;
+                let along = |v: u32| normals[v as usize].map(|n| far(v as usize) * n);
+                let displacement = (0..h.len()).fold(0.0, |most: f32, v| most.max(far(v).abs()));
                 let (steepness, steepest) = steepness(&patches, along);
                 (Reach { displacement, steepness }, steepest)
             })
@@ -128,7 +135,8 @@ impl Dancer {
             spectrum,
             classes: classes.to_vec(),
             residual: Residual::Vector(residual),
-            box_diagonal: box_diagonal(&body.positions),
+            box_diagonal,
+            swelling,
             liveliest: liveliest(body, &spectrum64, &runs),
             unisons,
             filter_reach,

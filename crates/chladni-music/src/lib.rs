@@ -73,6 +73,7 @@ mod stage;
 mod steepness;
 mod stereo;
 mod stripes;
+mod swelling;
 mod swing;
 mod symmetry;
 mod taps;

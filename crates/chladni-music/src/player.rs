@@ -7,6 +7,7 @@ use chladni_synth::{Coefficients, Item, Term};
 
 use crate::dancer::Reach;
 use crate::mapping::{EVENING, busiest};
+use crate::playing::STEEPNESS;
 use crate::probes::Limits;
 use crate::stereo::Ear;
 use crate::{Bands, Choir, Class, Dancer, Form, Mapping, MusicError, Playing};
@@ -176,7 +177,9 @@ impl Player {
         let term = |coefficients, mask| Term { coefficients, residual: None, residual_gain: 0.0, mask };
         let mut terms = match self.playing.form {
             Form::Filter => vec![term(Coefficients::Vector(vec![[0.0; 3]; k]), None)],
-            Form::Modal => vec![term(Coefficients::Normal(vec![0.0; k]), None)],
+            Form::Modal => {
+                vec![term(Coefficients::Normal(vec![0.0; k]), Some(self.dancer.swelling.clone()))]
+            }
             Form::HalfMask => {
                 let sides = &self.dancer.sides;
                 [&sides.left, &sides.right]
@@ -236,7 +239,7 @@ impl Player {
                     for v in &self.voiced {
                         let gain = match v.antisymmetric {
                             true => self.sum(v, |b, tone| ear.swing(b, tone)),
-                            false => self.sum(v, |b, tone| ear.symmetric(b, tone)),
+                            false => self.sum(v, |b, tone| ear.level(b, tone)),
                         };
                         c[v.first as usize] = self.dancer.swing.sign(v.first) * gain;
                     }
@@ -268,7 +271,7 @@ impl Player {
     fn limits(&self) -> Limits {
         Limits {
             displacement: self.playing.limit * self.dancer.box_diagonal,
-            steepness: self.playing.limit * self.playing.form.steepness(),
+            steepness: self.playing.limit * STEEPNESS,
         }
     }
 
@@ -316,7 +319,7 @@ fn awaken(driven: &mut [(u32, f32)], dancer: &Dancer, form: Form) -> f32 {
 fn calibrate(driven: &[(u32, f32)], dancer: &Dancer, playing: Playing) -> Vec<f32> {
     let wanted = Reach {
         displacement: playing.calibration * dancer.box_diagonal,
-        steepness: playing.calibration * playing.form.steepness(),
+        steepness: playing.calibration * STEEPNESS,
     };
     let mut octaves: Vec<f32> = Vec::new();
     let mut loudest = 0.0f32;

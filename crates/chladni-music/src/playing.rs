@@ -47,11 +47,6 @@ impl Form {
         }
     }
 
-    /// Steepness limit per unit of displacement limit.
-    pub(crate) fn steepness(self) -> f32 {
-        if self == Self::Modal { MODAL_STEEPNESS } else { STEEPNESS }
-    }
-
     /// How many terms of an item belong to its mapping; voices come after them.
     pub fn terms(self) -> usize {
         if self == Self::HalfMask { 2 } else { 1 }
@@ -84,9 +79,7 @@ impl Choir {
 /// Steepness limit per unit of displacement limit (a share of the diagonal): the slowest waves, about as long
 /// as the shape, reach both limits at once; all others reach the steepness first. At the default limit
 /// nothing turns over.
-const STEEPNESS: f32 = 5.5;
-/// The same along the normal, where swelling at a thin end is steep on all sides.
-const MODAL_STEEPNESS: f32 = 2.5;
+pub(crate) const STEEPNESS: f32 = 5.5;
 
 /// How a mapping is turned into movement; the same for all items of a gallery.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -101,11 +94,10 @@ pub struct Playing {
     /// Exchanges left and right.
     pub flip_sides: bool,
     /// The movement that a full-scale band causes at gain 1: the path of the farthest-moving vertex, as a share of
-    /// the bounding box's diagonal, (0, 1]; less where the steepness would exceed 5.5 times that number (2.5 times in
-    /// the modal form).
+    /// the bounding box's diagonal, (0, 1]; less where the steepness would exceed 5.5 times that number.
     pub calibration: f32,
-    /// The largest displacement as a share of the diagonal, (0, 1], and 5.5 times that number (2.5 in the
-    /// modal form) as the largest steepness: a soft limit that starts to act at half its value, on each
+    /// The largest displacement as a share of the diagonal, (0, 1], and 5.5 times that number
+    /// as the largest steepness: a soft limit that starts to act at half its value, on each
     /// octave of harmonics by itself and then on their sum. It is measured at probes; vertices between them
     /// may go a little farther.
     pub limit: f32,

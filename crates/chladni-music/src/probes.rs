@@ -131,11 +131,16 @@ impl Probes {
         };
         let mut most = 0.0f32;
         for term in &mut item.terms {
+            // The mask of movements along the normal is part of the form, not a half.
+            let is_half = matches!(term.coefficients, Coefficients::Vector(_));
             for group in groups {
                 for (way, part) in parts.iter_mut().enumerate() {
                     self.field(term, group.iter().copied(), |k| sign(way, k), part);
+                    if !is_half {
+                        self.mask(term, part);
+                    }
                 }
-                // Measured without the mask, so that halves that play the same are limited the same.
+                // Measured without a half's mask, so that halves that play the same are limited the same.
                 let reach = parts.iter().map(|part| self.reach(part, limits)).fold(0.0, f32::max);
                 let scale = soft_limit(reach);
                 if scale < 1.0 {
@@ -143,7 +148,9 @@ impl Probes {
                 }
                 most = most.max(reach);
                 for (part, total) in parts.iter_mut().zip(totals.iter_mut()) {
-                    self.mask(term, part);
+                    if is_half {
+                        self.mask(term, part);
+                    }
                     add(total, part, scale);
                 }
             }
@@ -175,7 +182,7 @@ impl Probes {
         }
     }
 
-    /// The displacement by some harmonics of a term, each times its `sign`, without its mask.
+    /// The displacement by some harmonics of a term, each times its `sign`, without the mask of a half.
     fn field(
         &self,
         term: &Term,

@@ -22,13 +22,19 @@ impl Patch {
         body.triangles.iter().step_by(step).filter_map(|&t| Self::of(&body.positions, t)).collect()
     }
 
-    fn of(positions: &[[f64; 3]], corners: [u32; 3]) -> Option<Self> {
+    pub fn of(positions: &[[f64; 3]], corners: [u32; 3]) -> Option<Self> {
         let [a, b, c] = corners.map(|v| positions[v as usize]);
         let (e, f) = (sub(b, a), sub(c, a));
         let (ee, ef, ff) = (dot(e, e), dot(e, f), dot(f, f));
         let determinant = ee * ff - ef * ef;
         let has_area = determinant > (LEAST_ASPECT * (ee + ff)).powi(2);
         has_area.then(|| Self { corners, metric: [ff, -ef, ee].map(|g| (g / determinant) as f32) })
+    }
+
+    /// In the unit of the positions, squared.
+    pub fn area(&self) -> f32 {
+        let [g11, g12, g22] = self.metric;
+        0.5 / (g11 * g22 - g12 * g12).max(f32::MIN_POSITIVE).sqrt()
     }
 
     /// ∇u of a movement of the three corners, as two vectors in the triangle's plane whose squares add up to

@@ -35,15 +35,22 @@ impl StereoMix {
         if self.mu == 0.0 { bands.side[b] } else { self.magnitude(bands, b, self.mu, self.side_gain) }
     }
 
-    /// The same with a sign, for harmonics that swing: positive toward the left.
+    /// What symmetric harmonics hear in the modal form: at μ = 0 the mean of the two channels' levels, which is |S| where
+    /// they are in phase, and sound where they are opposite, which would have no middle.
+    pub fn level(&self, bands: &Bands<'_>, b: usize) -> f32 {
+        let mean = 0.5 * (bands.left[b] + bands.right[b]);
+        mean + self.mu * (self.symmetric(bands, b) - mean)
+    }
+
+    /// What antisymmetric harmonics hear in the modal form: positive toward the left.
     ///
-    /// It is the part of g^(1−μ) U that is in step with S, limited to |S|, so that the movement by S on both sides
+    /// At μ = 0 half the difference of the levels times g, limited to their mean, so that the movement by both sides
     /// at most stops on one side and is never reversed there. As μ goes to 1 only a single channel is heard,
     /// and nothing swings.
     pub fn swing(&self, bands: &Bands<'_>, b: usize) -> f32 {
-        let s = bands.mid[b];
-        let in_step = if s > 0.0 { self.side_gain * self.in_step(bands, b) / s } else { 0.0 };
-        let towards = in_step.max(-s).min(s);
+        let (l, r) = (bands.left[b], bands.right[b]);
+        let mean = 0.5 * (l + r);
+        let towards = (0.5 * self.turn * self.side_gain * (l - r)).max(-mean).min(mean);
         towards + self.mu * (self.antisymmetric(bands, b) - towards)
     }
 
@@ -111,6 +118,16 @@ impl<'a> Ear<'a> {
         self.ringing.map_or_else(
             || self.mix.antisymmetric(self.bands, b),
             |r| self.mix.between(r.at(Signal::Side, tone, b), r.at(self.mix.channels().0, tone, b)),
+        )
+    }
+
+    pub fn level(&self, b: usize, tone: u8) -> f32 {
+        self.ringing.map_or_else(
+            || self.mix.level(self.bands, b),
+            |r| {
+                let mean = 0.5 * (r.at(Signal::Left, tone, b) + r.at(Signal::Right, tone, b));
+                self.mix.between(mean, r.at(self.mix.channels().1, tone, b))
+            },
         )
     }
 
@@ -185,7 +202,18 @@ mod tests {
             let heard = if l == r { Heard::of((l, 0.0), (r, 0.0), 10.0) } else { heard };
             let mix = StereoMix::new(0.0, &heard.bands(), false);
             assert_eq!(mix.swing(&heard.bands(), 0), swing);
-            assert_eq!(mix.symmetric(&heard.bands(), 0), heard.mid[0]);
+            assert_eq!(mix.level(&heard.bands(), 0), heard.mid[0]);
+        }
+    }
+
+    #[test]
+    fn a_song_in_opposite_phase_is_as_loud_as_one_in_phase() {
+        for (r, mid) in [(0.6, 0.7), (-0.6, 0.1)] {
+            let heard = Heard::of((0.8, 0.0), (r, 0.0), 1.0);
+            assert!((heard.mid[0] - mid).abs() < 1e-6);
+            let mix = StereoMix::new(0.0, &heard.bands(), false);
+            assert!((mix.level(&heard.bands(), 0) - 0.7).abs() < 1e-6);
+            assert!((mix.swing(&heard.bands(), 0) - 0.1).abs() < 1e-6);
         }
     }
 
@@ -202,7 +230,8 @@ mod tests {
             let near = 2e-3 * (1.0 + g);
             prop_assert!((mix.symmetric(&heard.bands(), 0) - size(sum(s, u, 1.0, -mu * g))).abs() < near);
             prop_assert!((mix.antisymmetric(&heard.bands(), 0) - size(sum(s, u, mu, g))).abs() < near);
-            prop_assert!(mix.swing(&heard.bands(), 0).abs() <= mix.antisymmetric(&heard.bands(), 0) + heard.mid[0] + near);
+            let mean = 0.5 * (size(l) + size(r));
+            prop_assert!(mix.swing(&heard.bands(), 0).abs() <= mix.antisymmetric(&heard.bands(), 0) + mean + near);
         }
     }
 }
