@@ -182,7 +182,8 @@ def write_mesh(path, V, F):
     """Writes a mesh, whole or not at all, in the format of the name: .obj, .ply, .stl or .glb.
 
     OBJ and PLY keep coordinates as they are; STL and GLB can hold 32-bit numbers only. Far from the origin, a GLB keeps
-    the form of the mesh, and an STL rounds it, without a warning. Both refuse shapes of less than 1e-30 units.
+    the form of the mesh, and an STL rounds it, without a warning. Both refuse shapes of less than 1e-30 units. No format
+    turns the shape: viewers of a GLB take y for up.
     """
     _chladni.write_mesh(path, V, F)
 

@@ -438,11 +438,11 @@ export function listen() {
   on("undo", () => { const label = sitting.undo(); if (label) say(`Undone: ${label}`); return changed(); });
   on("redo", () => { const label = sitting.redo(); if (label) say(`Done again: ${label}`); return changed(); });
   addEventListener("keydown", attempt((event) => {
-    if (document.body.dataset.view !== "caricature" || !sitting || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    if (document.body.dataset.view !== "caricature" || !sitting || !(event.ctrlKey || event.metaKey) || !["z", "y"].includes(event.key.toLowerCase())) return;
     // There it is the text's own.
     if (event.target.closest("input[type=text], input[type=number], dialog")) return;
     event.preventDefault();
-    if (event.shiftKey) sitting.redo(); else sitting.undo();
+    if (event.shiftKey || event.key.toLowerCase() === "y") sitting.redo(); else sitting.undo();
     return changed();
   }));
   slide("mu", (mu) => ({ mu }));

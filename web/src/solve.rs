@@ -2,7 +2,7 @@
 
 use chladni_caricature::MatchRequest;
 use chladni_harmonics::{Basis, Body, Certificate, Laplacian};
-use chladni_program::work::{Error, body, head_parts, matched_with, template_mesh};
+use chladni_program::work::{Error, HEADLIKE, body, head_parts, matched_with, template_mesh};
 use js_sys::Function;
 use serde::{Deserialize, Serialize};
 use wasm_bindgen::prelude::*;
@@ -76,7 +76,7 @@ pub fn parts_of_head(
 ) -> Result<Option<Vec<u8>>, JsError> {
     let watcher = Reporter::new(report);
     let mesh = shape(name, bytes.as_deref(), &watcher)?;
-    Ok(head_parts(&mesh, &watcher)?.map(|(parts, _, _)| parts.part))
+    Ok(head_parts(&mesh, HEADLIKE, &watcher)?.map(|(parts, _, _)| parts.part))
 }
 
 /// The length of the head in four bytes, the head as JSON, then areas and harmonics, all little-endian.

@@ -24,11 +24,11 @@ pub struct HeadParts {
     pub report: MatchReport,
 }
 
-/// The misfit of heads, scans and statues among them, to the sample template is at most 0.34, that of an animal's head
-/// 0.41; plates, rings and whole bodies have 0.45 and more.
-const NO_HEAD: f64 = 0.45;
-
 impl HeadParts {
+    /// The misfit of heads, scans and statues among them, to the sample template is at most 0.34, that of an animal's head
+    /// 0.41; plates, rings and whole bodies have 0.45 and more.
+    pub const MOST_MISFIT: f64 = 0.45;
+
     /// Those of a sample head by its `name`, which is modeled of them: all are sure, and nothing is matched. `None` of
     /// other samples.
     pub fn known(name: &str, shape: &TriMesh) -> Option<Self> {
@@ -86,10 +86,11 @@ impl HeadParts {
         let confidence =
             share.iter().zip(&on.confidence).map(|(share, trust)| agreement * share * trust).collect();
         let mut report = found.report.clone();
-        if let Some(misfit) = report.misfit.filter(|misfit| *misfit > NO_HEAD) {
+        if let Some(misfit) = report.misfit.filter(|misfit| *misfit > Self::MOST_MISFIT) {
             report.warnings.push(format!(
-                "it hardly looks like a head (misfit {misfit:.2}, heads have less than {NO_HEAD}): names of parts may mean \
-                 nothing"
+                "it hardly looks like a head (misfit {misfit:.2}, heads have less than {}): names of parts may mean \
+                 nothing",
+                Self::MOST_MISFIT
             ));
         }
         Ok(Self { part, confidence, report })

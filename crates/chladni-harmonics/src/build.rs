@@ -233,8 +233,8 @@ fn solved(
 }
 
 /// The file's triangles over operator vertices. If a vertex is only used by a collapsed triangle, or a part without area,
-/// that corner is replaced by another of its corners (or 0), which keeps the triangle collapsed; those of repeated faces
-/// collapse, too.
+/// that corner is replaced by another of its corners (or 0), which keeps the triangle collapsed; repeated ones collapse,
+/// too.
 pub(crate) fn file_triangles(mesh: &TriMesh, operator_vertex: &[Option<u32>]) -> Vec<[u32; 3]> {
     // Rows tell places apart; a face with a corner that has none collapses anyway.
     let place: Vec<u32> = operator_vertex.iter().map(|v| v.unwrap_or(u32::MAX)).collect();

@@ -1,5 +1,6 @@
 //! Writes NumPy archives, whole or not at all, and reads single arrays and stored bases (feature `npz`).
 
+mod fails_once;
 mod stored;
 
 use std::io::{BufWriter, Cursor, Error, ErrorKind, Read, Result, Seek, Write};
@@ -12,12 +13,13 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use crate::{Body, Operator};
+use fails_once::FailsOnce;
 pub use stored::StoredBasis;
 
 /// An archive that is being written.
 #[allow(missing_debug_implementations, reason = "it holds a writer")]
 pub struct Npz<W: Write + Seek> {
-    archive: ZipWriter<W>,
+    archive: ZipWriter<FailsOnce<W>>,
 }
 
 impl<W: Write + Seek> Npz<W> {
@@ -67,7 +69,7 @@ impl<W: Write + Seek> Npz<W> {
         // Archives of more than 4 GB need 64-bit sizes, which all current readers support.
         let options =
             SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
-        self.archive.start_file(format!("{name}.npy"), options).map_err(Error::other)?;
+        self.archive.start_file(format!("{name}.npy"), options).map_err(of_system)?;
         let array = WriteOptions::new().dtype(kind).shape(shape).order(order);
         let mut array = array.writer(&mut self.archive).begin_nd()?;
         array.extend(values)?;
@@ -96,9 +98,19 @@ pub fn npz_of(fill: impl FnOnce(&mut Npz<Cursor<Vec<u8>>>) -> Result<()>) -> Res
 
 /// Writes an archive into `into` and returns it.
 fn archived<W: Write + Seek>(into: W, fill: impl FnOnce(&mut Npz<W>) -> Result<()>) -> Result<W> {
+    let into = FailsOnce::new(into);
+    let is_over = into.is_over();
     let mut npz = Npz { archive: ZipWriter::new(into) };
-    fill(&mut npz)?;
-    npz.archive.finish().map_err(Error::other)
+    fill(&mut npz).inspect_err(|_| is_over.set(true))?;
+    npz.archive.finish().map_err(of_system)?.into_inner()
+}
+
+/// The error of the system inside the archive's, whose kind says that a disk is full.
+fn of_system(error: ZipError) -> Error {
+    match error {
+        ZipError::Io(error) => error,
+        other => Error::other(other),
+    }
 }
 
 /// `values` as one array, the bytes of a `.npy` file.

@@ -44,18 +44,19 @@ pub(crate) struct Pull {
     pub weight: f64,
 }
 
-/// The shape's vertices, bent onto the aligned template, in the coordinates of the shape's surface.
+/// The shape's vertices, bent onto the aligned template, in the coordinates of the shape's surface. Progress is that of a
+/// stage called `stage`.
 pub(crate) fn bend(
     shape: &UnitSurface,
     template: &UnitSurface,
     pose: &Similarity,
     landmarks: &[Pinned],
     seed: u64,
-    task: &Task,
+    (stage, task): (&str, &Task),
 ) -> Result<Vec<DVec3>, MatchError> {
     let mut bent = shape.points.clone();
     let vertices = data_vertices(shape, seed);
-    let stage = task.stage("bending", LEVELS.iter().map(|l| l.iterations as u64).sum());
+    let stage = task.stage(stage, LEVELS.iter().map(|l| l.iterations as u64).sum());
     for level in &LEVELS {
         let graph = Graph::new(shape, level.nodes.min(shape.points.len()), seed, task)?;
         let partners = Partners::by_vote(shape, template, pose, &bent);

@@ -160,19 +160,19 @@ fn fit(
     (scale, seed): (Option<f64>, u64),
     task: &Task,
 ) -> Result<(Landed, Similarity), MatchError> {
-    /// The largest number of rounds: bending takes most of the time.
-    const MOST_ROUNDS: usize = 3;
+    /// The rounds at most, as their stages are called: bending takes most of the time, and each has a bar of its own.
+    const ROUNDS: [&str; 3] = ["bending", "bending again", "bending once more"];
     /// A change of the similarity that moves the template by less than this share of the diagonal needs no
     /// further round.
     const STILL: f64 = 0.01;
-    let mut round = 1;
+    let mut round = 0;
     loop {
-        let bent = bend(shape, template, &pose, pinned, seed, task)?;
+        let bent = bend(shape, template, &pose, pinned, seed, (ROUNDS[round], task))?;
         let partners = Partners::by_vote(shape, template, &pose, &bent);
         let settled = settle(shape, &partners, &pose, bent, task)?;
         let landed = closest_points(shape, &partners, &pose, &settled, Some((pinned, task)))?;
         let (again, moved) = between_pairs(shape, template, pinned, &landed, scale, &pose);
-        if moved < STILL || round == MOST_ROUNDS {
+        if moved < STILL || round + 1 == ROUNDS.len() {
             return Ok((landed, again));
         }
         (pose, round) = (again, round + 1);

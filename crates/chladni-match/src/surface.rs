@@ -231,7 +231,7 @@ struct Welded {
     point_of_vertex: Vec<Option<u32>>,
     /// For each welded vertex, one of its file vertices.
     file_vertex: Vec<u32>,
-    /// Triangles with three distinct corners and some area, none of a face that repeats an earlier one.
+    /// Triangles with three distinct corners and some area, none that repeats an earlier one.
     kept: Vec<u32>,
 }
 

@@ -6,7 +6,7 @@ use crate::TriMesh;
 use crate::surface::vec3::{cross, dot, length, sub};
 use crate::surface::{
     Bounds, HalfEdge, Pieces, Rows, corners, doubled_area_normal, inward_triangles, of_triangles, places,
-    repeated_faces, sorted_half_edges, vertex_faces, weld_known,
+    repeated_faces, repeated_known, sorted_half_edges, vertex_faces, weld_known,
 };
 
 /// Counts and measures of a mesh as its file stores it, and of what welding would change.
@@ -29,8 +29,8 @@ pub struct HealthReport {
     pub duplicate_vertices: usize,
     /// Vertices that no triangle uses.
     pub unreferenced_vertices: usize,
-    /// Triangles of faces that repeat an earlier one between the same places, from either side; harmonics, matches
-    /// and normals of exports take such a face once.
+    /// Triangles that repeat an earlier one between the same places, from either side, or whose face does; harmonics,
+    /// matches and normals of exports take such a triangle or face once.
     pub duplicate_triangles: usize,
     /// Triangles of the welded mesh that face inward, or against most of those around them, as
     /// [`inward_triangles`] finds them: matches and drawings, among others, turn them round.
@@ -44,7 +44,7 @@ pub struct HealthReport {
     /// Sum of the triangles' areas, duplicate ones included, in squared file units.
     pub area: f64,
     /// Enclosed volume, in cubed file units, positive where triangles face outward; `None`
-    /// unless the welded mesh is closed and evenly oriented.
+    /// unless the welded mesh is closed and evenly oriented, without polygons that share a triangle.
     pub volume: Option<f64>,
     /// The mesh with coincident vertices merged, as the operator sees it.
     pub welded: Welded,
@@ -72,7 +72,7 @@ pub struct Topology {
 pub struct Welded {
     /// Operator vertices.
     pub vertices: usize,
-    /// Triangles with three different corners, less those of repeated faces and of pieces without area.
+    /// Triangles with three different corners, less repeated ones and those of pieces without area.
     pub triangles: usize,
     /// How faces are connected, those of pieces without area included.
     #[serde(flatten)]
@@ -84,7 +84,7 @@ impl HealthReport {
     pub fn of(mesh: &TriMesh) -> Self {
         let place = places(&mesh.positions);
         let repeated_faces = repeated_faces(mesh, &place);
-        let repeated = of_triangles(mesh, &repeated_faces);
+        let repeated = repeated_known(mesh, &place, &repeated_faces);
         let welded = weld_known(mesh, &place, &repeated);
         let mut used = vec![false; mesh.positions.len()];
         for &v in mesh.triangles.iter().flatten() {
@@ -106,7 +106,9 @@ impl HealthReport {
         let welded_faces = welded_faces(mesh, &place, &repeated_faces);
         let welded_topology =
             Topology::of(mesh.positions.len(), (0..welded_faces.len()).map(|f| welded_faces.row(f)));
-        let closed = welded_topology.genus.is_some() && welded_topology.boundary_loops == 0;
+        // The welded triangles leave a gap where polygons share one.
+        let is_of_faces = repeated == of_triangles(mesh, &repeated_faces);
+        let closed = is_of_faces && welded_topology.genus.is_some() && welded_topology.boundary_loops == 0;
         Self {
             vertices: mesh.positions.len(),
             triangles: mesh.triangles.len(),

@@ -54,7 +54,7 @@ fn stored_report(path: &std::path::Path) -> HealthReport {
 
 fn differences(row: &Row, report: &HealthReport) -> Vec<String> {
     let (stored, welded) = row.topology.split_once("welded:").unwrap_or((&row.topology, ""));
-    // The manifest welds faces that a file has twice as two; here they are one.
+    // The manifest welds faces and triangles that a file has twice as two; here they are one.
     let welded = if report.duplicate_triangles == 0 { welded } else { "" };
     let genus = |list: &str, genus: Option<usize>| match (list.contains("g-"), count(list, "g")) {
         (true, _) => genus.is_none(),

@@ -129,7 +129,7 @@ impl Dancer {
         let slowest = symmetry::slowest(&basis.eigenvalues);
         Ok(Self {
             eigenvalues: basis.eigenvalues.clone(),
-            swing: Swing::of(body, classes, &sides),
+            swing: Swing::of(body, classes, &sides, &swelling),
             sides,
             probes,
             spectrum,
@@ -150,7 +150,7 @@ impl Dancer {
     #[must_use]
     pub fn standing(&self, body: &Body, stands: &Orientation) -> Self {
         let sides = Sides::of(body, &self.classes, stands);
-        Self { swing: Swing::of(body, &self.classes, &sides), sides, ..self.clone() }
+        Self { swing: Swing::of(body, &self.classes, &sides, &self.swelling), sides, ..self.clone() }
     }
 
     /// K.

@@ -182,7 +182,7 @@ impl Probes {
         }
     }
 
-    /// The displacement by some harmonics of a term, each times its `sign`, without the mask of a half.
+    /// The displacement by some harmonics of a term, each times its `sign`, without its mask.
     fn field(
         &self,
         term: &Term,

@@ -7,7 +7,7 @@ use crate::{Action, Class, Form, Mapping, Parameter, Parameters, Switch};
 pub const SAND_MODE: [Action; 5] = [
     Action::Switch { switch: Switch::Sand, on: true },
     Action::SetForm { form: Form::Modal },
-    Action::Set { parameter: Parameter::Gain, value: 0.12 },
+    Action::Set { parameter: Parameter::Gain, value: 0.06 },
     Action::Switch { switch: Switch::BeatTurns, on: false },
     Action::Switch { switch: Switch::BeatLights, on: false },
 ];

@@ -11,6 +11,8 @@ const LEAST_ASPECT: f64 = 1e-3;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Patch {
     pub corners: [u32; 3],
+    /// In the unit of the positions, squared.
+    pub area: f64,
     /// Inverse Gram matrix of the two edges from corner 0: g₁₁, g₁₂, g₂₂.
     metric: [f32; 3],
 }
@@ -28,13 +30,11 @@ impl Patch {
         let (ee, ef, ff) = (dot(e, e), dot(e, f), dot(f, f));
         let determinant = ee * ff - ef * ef;
         let has_area = determinant > (LEAST_ASPECT * (ee + ff)).powi(2);
-        has_area.then(|| Self { corners, metric: [ff, -ef, ee].map(|g| (g / determinant) as f32) })
-    }
-
-    /// In the unit of the positions, squared.
-    pub fn area(&self) -> f32 {
-        let [g11, g12, g22] = self.metric;
-        0.5 / (g11 * g22 - g12 * g12).max(f32::MIN_POSITIVE).sqrt()
+        has_area.then(|| Self {
+            corners,
+            area: 0.5 * determinant.sqrt(),
+            metric: [ff, -ef, ee].map(|g| (g / determinant) as f32),
+        })
     }
 
     /// ∇u of a movement of the three corners, as two vectors in the triangle's plane whose squares add up to

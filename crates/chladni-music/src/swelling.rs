@@ -23,8 +23,11 @@ pub(crate) fn swelling(body: &Body, normals: &[[f32; 3]], diagonal: f32) -> Arc<
     let mut bends = vec![0.0f64; body.positions.len()];
     for &corners in &body.triangles {
         let Some(patch) = Patch::of(&body.positions, corners) else { continue };
-        let bend = patch.steepness(corners.map(|v| normals[v as usize])) * patch.area() / 3.0;
-        corners.iter().for_each(|&v| bends[v as usize] += f64::from(bend));
+        let bend = f64::from(patch.steepness(corners.map(|v| normals[v as usize]))) * patch.area / 3.0;
+        // Of a triangle that is too small for single precision the gradient may be infinite.
+        if bend.is_finite() {
+            corners.iter().for_each(|&v| bends[v as usize] += bend);
+        }
     }
     let curvature: Vec<f64> = bends
         .iter()
@@ -39,4 +42,46 @@ pub(crate) fn swelling(body: &Body, normals: &[[f32; 3]], diagonal: f32) -> Arc<
     spectrum.iter_mut().zip(&basis.eigenvalues).for_each(|(c, lambda)| *c *= (-lambda * time).exp());
     let smooth = basis.synthesize(&spectrum);
     smooth.iter().map(|k| (1.0 / (1.0 + (k.max(0.0) * RADIUS * diagonal).powi(2))) as f32).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_harmonics::BasisSettings;
+    use chladni_mesh::{TriMesh, samples};
+    use chladni_task::Task;
+
+    use super::*;
+    use crate::dancer::box_diagonal;
+    use crate::probes::rest_normals;
+
+    fn mask(mesh: &TriMesh, k: usize) -> (Body, Arc<[f32]>) {
+        let body = Body::build(mesh, &BasisSettings::new(k), &Task::new()).unwrap();
+        let mask = swelling(&body, &rest_normals(&body), box_diagonal(&body.positions));
+        (body, mask)
+    }
+
+    #[test]
+    fn a_plane_moves_wholly_and_a_ball_as_far_as_its_radius_says() {
+        let (_, plate) = mask(&samples::sample("plate").unwrap(), 32);
+        assert!(plate.iter().all(|x| *x == 1.0));
+        // ‖∇n‖ of a ball is √2 over its radius, which is its diagonal over 2 √3.
+        let wanted = 1.0 / (1.0 + (2.0 * 6f64.sqrt() * RADIUS).powi(2)) as f32;
+        for fineness in [3, 4] {
+            let (_, ball) = mask(&samples::icosphere(fineness), 32);
+            assert!(ball.iter().all(|x| (x / wanted - 1.0).abs() < 0.03), "{wanted}, {ball:?}");
+        }
+    }
+
+    #[test]
+    fn thin_arms_move_less_than_the_head_with_any_number_of_harmonics() {
+        for k in [24, 96] {
+            let (body, mask) = mask(&samples::sample("octopus").unwrap(), k);
+            let highest =
+                (0..mask.len()).max_by(|&a, &b| body.positions[a][1].total_cmp(&body.positions[b][1]));
+            let widest =
+                (0..mask.len()).max_by(|&a, &b| body.positions[a][0].total_cmp(&body.positions[b][0]));
+            let [head, arm] = [highest, widest].map(|v| mask[v.unwrap()]);
+            assert!(mask.iter().all(|x| *x > 0.0 && *x <= 1.0) && head > 3.0 * arm, "{k}: {head}, {arm}");
+        }
+    }
 }

@@ -17,8 +17,8 @@ const LEAST_LEAN: f64 = 1e-3;
 ///
 /// An eigenvector's sign is arbitrary. Here antisymmetric harmonics swing outward on the left on average:
 /// ⟨H_a, χ_L − χ_R⟩ > 0. A symmetric one agrees on the left, and so disagrees on the right, with its partner:
-/// the antisymmetric one of largest |⟨H_s, (χ_L − χ_R) H_a⟩| ω_</ω_>, where ω_< ≤ ω_> are the frequencies of
-/// the two. The partner of an antisymmetric one is the symmetric one that it then agrees with most. Both
+/// the antisymmetric one of largest |⟨H_s, (χ_L − χ_R) H_a⟩| / (‖H_s‖ ‖H_a‖) ω_</ω_>, where ω_< ≤ ω_> are the frequencies
+/// of the two, and each product is that of the movements, under the form's mask. The partner of an antisymmetric one is the symmetric one that it then agrees with most. Both
 /// together, equally loud, move the left half and leave the right one at rest.
 #[derive(Clone, Debug)]
 pub(crate) struct Swing {
@@ -27,12 +27,18 @@ pub(crate) struct Swing {
 }
 
 impl Swing {
-    pub fn of(body: &Body, classes: &[Class], sides: &Sides) -> Self {
+    /// `mask`: that of movements along the normal, N values.
+    pub fn of(body: &Body, classes: &[Class], sides: &Sides, mask: &[f32]) -> Self {
         let basis = &*body.basis;
         let count = basis.harmonics();
         let first = symmetry::first_waving(&basis.eigenvalues);
-        let weights: Vec<f64> = (sides.left.iter().zip(&*sides.right).zip(&basis.mass))
+        let moving: Vec<f64> = basis.mass.iter().zip(mask).map(|(a, m)| a * f64::from(m * m)).collect();
+        let weights: Vec<f64> = (sides.left.iter().zip(&*sides.right).zip(&moving))
             .map(|((l, r), a)| a * f64::from(l - r))
+            .collect();
+        let sizes: Vec<f64> = (0..count)
+            .into_par_iter()
+            .map(|k| basis.harmonic(k).iter().zip(&moving).map(|(h, a)| a * h * h).sum::<f64>().sqrt())
             .collect();
         let area: f64 = basis.mass.iter().sum();
         let mut signs: Vec<f64> = (0..count)
@@ -52,7 +58,8 @@ impl Swing {
             .map(|k| {
                 let others =
                     neighbors(k).filter(|&j| k >= first && classes[j].sign() * classes[k].sign() < 0);
-                others.map(|j| (j, agreement(body, &weights, k, j))).collect()
+                let size = |j: usize| (sizes[k] * sizes[j]).max(f64::MIN_POSITIVE);
+                others.map(|j| (j, agreement(body, &weights, k, j) / size(j))).collect()
             })
             .collect();
         let mut partners = vec![None; count];

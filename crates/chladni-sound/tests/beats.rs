@@ -124,6 +124,62 @@ fn noise_before_a_song_and_silence_behind_it_change_no_beat() {
     assert!((found.tempo_bpm / TUNE_BPM - 1.0).abs() < 0.01, "{}", found.tempo_bpm);
 }
 
+/// A click every half second for 12 s, a silence, and clicks again, the first of them at once.
+fn clicks_around_silence(silent_secs: usize, secs_after: usize) -> Song {
+    let rate = 44_100;
+    let click = |n: usize| if n >= 441 { 0.0 } else { 0.8 - 1.6 * (n % 2) as f32 };
+    let clicks = |secs: usize| (0..secs * rate).map(move |n| click(n % (rate / 2)));
+    let silence = std::iter::repeat_n(0.0, silent_secs * rate);
+    let channel: Vec<f32> = clicks(12).chain(silence).chain(clicks(secs_after)).collect();
+    Song { rate_hz: rate as u32, left: channel.clone(), right: channel }
+}
+
+#[test]
+fn a_beat_that_is_heard_goes_on_through_a_break_and_ends_in_a_long_silence() {
+    let beats = |song: &Song| track_beats_causally(song, &Task::new()).unwrap().beats_secs;
+    let off = |secs: f64| (2.0 * secs - (2.0 * secs).round()).abs() / 2.0;
+    let before = beats(&clicks_around_silence(20, 0));
+    let silent: Vec<f64> = before.iter().copied().filter(|secs| *secs > 12.0).collect();
+    assert!(silent.len() > 4 && silent.iter().all(|secs| off(*secs) < 0.07), "the tempo goes on: {silent:?}");
+    assert!(silent.iter().all(|secs| *secs < 17.0), "then nothing is announced: {silent:?}");
+    let around = beats(&clicks_around_silence(2, 4));
+    let heard: Vec<f64> = around.into_iter().filter(|secs| *secs > 11.8).collect();
+    assert!((12..=13).contains(&heard.len()), "{heard:?}");
+    assert!(heard.iter().all(|secs| off(*secs) < 0.07), "in step at once: {heard:?}");
+}
+
+#[test]
+fn taps_in_a_long_silence_are_beats() {
+    let song = clicks_around_silence(12, 0);
+    let mut follower = BeatFollower::new(song.rate_hz).unwrap();
+    let mut tapped = 0;
+    for (piece, block) in song.left.chunks(4410).enumerate() {
+        follower.push(block, block);
+        let beats = std::iter::from_fn(|| follower.take_beat()).count();
+        match piece {
+            190..200 => assert_eq!(beats, 0, "after {piece} tenths"),
+            200.. => tapped += beats,
+            _ => {}
+        }
+        if piece >= 200 && piece % 6 == 2 {
+            follower.tap(follower.now_secs());
+        }
+    }
+    assert!((5..=8).contains(&tapped), "{tapped} beats of 7 taps");
+}
+
+#[test]
+fn silence_behind_a_song_does_not_change_the_confidence_of_a_listener() {
+    let confidence = |silent_secs: usize| {
+        track_beats_causally(&clicks_around_silence(silent_secs, 0), &Task::new()).unwrap().confidence
+    };
+    let alone = confidence(0);
+    assert!(alone > 0.5, "{alone}");
+    for silent_secs in [5, 10] {
+        assert!((confidence(silent_secs) - alone).abs() < 0.1, "{alone} and {}", confidence(silent_secs));
+    }
+}
+
 #[test]
 fn nothing_has_no_beat() {
     let silence = Song { rate_hz: 44_100, left: vec![0.0; 200_000], right: vec![0.0; 200_000] };

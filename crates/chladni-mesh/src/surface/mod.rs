@@ -44,6 +44,6 @@ pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
 pub(crate) use triangulation::{MOST_CORNERS, Triangulation, triangulation};
 pub use walk::Ground;
 pub use weld::{Weld, drawn_triangles, places, repeated_triangles, weld};
-pub(crate) use weld::{of_triangles, repeated_faces, seamless_triangles, weld_known};
+pub(crate) use weld::{of_triangles, repeated_faces, repeated_known, seamless_triangles, weld_known};
 pub use winding::{facing_outward, inward_triangles};
 pub use zero_lines::{EdgePoint, chained, zero_lines};

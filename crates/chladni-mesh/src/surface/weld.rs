@@ -15,8 +15,8 @@ pub struct Weld {
     /// N positions, each different, in the order in which the file first names them.
     pub positions: Vec<[f64; 3]>,
     /// Triangles of indices < N with three different corners, in the order of the file. A
-    /// triangle that names one position twice has neither area nor a normal and is left out, and so are faces that
-    /// repeat an earlier one, whose normals might cancel, and connected components without area.
+    /// triangle that names one position twice has neither area nor a normal and is left out, and so are those that
+    /// [repeat](repeated_triangles) an earlier one, whose normals might cancel, and connected components without area.
     pub triangles: Vec<[u32; 3]>,
     /// For each of the mesh's n vertices its operator vertex, `None` where no triangle in
     /// [`triangles`](Self::triangles) uses its position.
@@ -77,8 +77,8 @@ fn single_triangles(mesh: &TriMesh, place: &[u32], repeated: &[bool]) -> Vec<[u3
     placed.filter(|[a, b, c]| a != b && b != c && c != a).collect()
 }
 
-/// The triangles of `mesh` for pictures, in its order: those of faces that repeat an earlier one collapse, since their
-/// normals would cancel.
+/// The triangles of `mesh` for pictures, in its order: [repeated](repeated_triangles) ones collapse, since their normals
+/// would cancel.
 ///
 /// # Panics
 /// If a face names a vertex that is not there.
@@ -88,14 +88,29 @@ pub fn drawn_triangles(mesh: &TriMesh) -> Vec<[u32; 3]> {
     mesh.triangles.iter().zip(repeated).map(drawn).collect()
 }
 
-/// For each triangle of `mesh` whether its face repeats an earlier one: it has the same corners in the same order, forward
-/// or backward, by the `place` of each vertex: [`places`], or others that are equal where those are. Programs write a
-/// two-sided face as such a pair.
+/// For each triangle of `mesh` whether it, or its face, repeats an earlier one: it has the same corners in the same order,
+/// forward or backward, by the `place` of each vertex: [`places`], or others that are equal where those are. Programs write
+/// a two-sided face as such a pair, and polygons may share a triangle: divided, they have it twice.
 ///
 /// # Panics
 /// If a face names a vertex that is not there.
 pub fn repeated_triangles(mesh: &TriMesh, place: &[u32]) -> Vec<bool> {
-    of_triangles(mesh, &repeated_faces(mesh, place))
+    repeated_known(mesh, place, &repeated_faces(mesh, place))
+}
+
+/// As [`repeated_triangles`], with what [`repeated_faces`] says of `mesh`.
+pub(crate) fn repeated_known(mesh: &TriMesh, place: &[u32], of_faces: &[bool]) -> Vec<bool> {
+    let mut repeated = of_triangles(mesh, of_faces);
+    // Without polygons the faces are the triangles.
+    if mesh.appearance.polygons.is_some() {
+        // A polygon's triangles may collapse to one line, which nothing shares.
+        let collapses = |t: usize| {
+            let [a, b, c] = mesh.triangles[t].map(|v| place[v as usize]);
+            a == b || b == c || c == a
+        };
+        mark_repeated(&mut repeated, |t| !collapses(t), |t| &mesh.triangles[t][..], place);
+    }
+    repeated
 }
 
 /// For each triangle of `mesh` what `of_faces` says of its face.
@@ -105,22 +120,33 @@ pub(crate) fn of_triangles(mesh: &TriMesh, of_faces: &[bool]) -> Vec<bool> {
     of_triangles
 }
 
-/// As [`repeated_triangles`], for each face.
+/// For each face of `mesh` whether it repeats an earlier one, however both are divided.
 pub(crate) fn repeated_faces(mesh: &TriMesh, place: &[u32]) -> Vec<bool> {
-    let corners = |f: usize| mesh.face(f).iter().map(move |v| place[*v as usize]);
+    let mut repeated = vec![false; mesh.face_count()];
+    mark_repeated(&mut repeated, |_| true, |f| mesh.face(f), place);
+    repeated
+}
+
+/// Marks in `repeated`, of the faces that count and are not marked there, those that repeat an earlier one of them.
+fn mark_repeated<'a>(
+    repeated: &mut [bool],
+    counts: impl Fn(usize) -> bool,
+    face: impl Fn(usize) -> &'a [u32],
+    place: &[u32],
+) {
+    let corners = |f: usize| face(f).iter().map(move |v| place[*v as usize]);
     // Few faces besides the same ones agree in the sum of their corners and in the least.
     let of_face =
         |f: usize| (corners(f).map(u64::from).sum::<u64>(), corners(f).min().unwrap_or(0), f as u32);
-    let mut faces: Vec<(u64, u32, u32)> = (0..mesh.face_count()).map(of_face).collect();
+    let mut faces: Vec<(u64, u32, u32)> =
+        (0..repeated.len()).filter(|f| !repeated[*f] && counts(*f)).map(of_face).collect();
     faces.par_sort_unstable();
-    let mut repeated = vec![false; faces.len()];
     for alike in faces.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter(|alike| alike.len() > 1) {
         let mut known = HashSet::new();
         for &(_, _, f) in alike {
             repeated[f as usize] = !known.insert(cycle(corners(f as usize).collect()));
         }
     }
-    repeated
 }
 
 /// The corners of a face from the least one on, in the direction of the lesser neighbor.
@@ -185,8 +211,46 @@ mod tests {
         // A sloping square, the same from behind, which is divided along its other diagonal, and one that crosses itself.
         let obj = b"v 0 0 0\nv 1 0 1\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 4 3 2 1\nf 1 3 2 4\n";
         let mesh = crate::read_mesh(obj, crate::Format::Obj).unwrap().mesh;
-        let repeated = repeated_triangles(&mesh, &places(&mesh.positions));
-        assert_eq!(repeated, [false, false, true, true, false, false]);
-        assert_eq!(weld(&mesh).triangles.len(), 4);
+        assert_eq!(repeated_faces(&mesh, &places(&mesh.positions)), [false, true, false]);
+        // Of the one that crosses itself, one triangle is a half of the first square.
+        assert_eq!(weld(&mesh).triangles.len(), 3);
+    }
+
+    #[test]
+    fn a_triangle_that_two_polygons_share_counts_once_as_it_does_in_the_divided_mesh() {
+        let obj = b"v 0 0 0\nv 1 -1 0\nv 2 0 0\nv 1 1 0\nv 1 1 1\nf 1 4 3 2\nf 1 2 3 5\n";
+        let mesh = crate::read_mesh(obj, crate::Format::Obj).unwrap().mesh;
+        assert_eq!(mesh.triangles, [[0, 3, 2], [0, 2, 1], [0, 1, 2], [0, 2, 4]]);
+        let divided = TriMesh { appearance: crate::Appearance::default(), ..mesh.clone() };
+        let single = weld(&mesh);
+        assert_eq!(single, weld(&divided));
+        assert_eq!(single.triangles, [[0, 3, 2], [0, 2, 1], [0, 2, 4]]);
+        assert_eq!(drawn_triangles(&mesh), drawn_triangles(&divided));
+        let counts = |mesh: &TriMesh| {
+            let report = crate::HealthReport::of(mesh);
+            (report.duplicate_triangles, report.welded.triangles)
+        };
+        assert_eq!([counts(&mesh), counts(&divided)], [(1, 3); 2]);
+    }
+
+    #[test]
+    fn triangles_that_collapse_within_a_polygon_repeat_nothing() {
+        // A cube; two corners of its front lie at a third.
+        let corners =
+            b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nv 1 0 1\nv 1 0 1\n";
+        let faces = b"f 4 3 2 1\nf 5 6 9 10 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+        let mesh = crate::read_mesh(&[&corners[..], faces].concat(), crate::Format::Obj).unwrap().mesh;
+        let report = crate::HealthReport::of(&mesh);
+        assert_eq!(report.duplicate_triangles, 0);
+        assert!(report.volume.is_some_and(|volume| (volume - 1.0).abs() < 1e-12));
+    }
+
+    #[test]
+    fn polygons_that_share_a_triangle_enclose_no_volume() {
+        // The polygons are closed, and without the shared triangle the surface is not.
+        let obj = b"v 0 0 0\nv 1 -1 0\nv 2 0 0\nv 1 1 0\nv 1 1 1\nf 1 4 3 2\nf 1 2 3 5\nf 4 1 5\nf 3 4 5\n";
+        let report = crate::HealthReport::of(&crate::read_mesh(obj, crate::Format::Obj).unwrap().mesh);
+        assert_eq!((report.welded.topology.genus, report.welded.topology.boundary_loops), (Some(0), 0));
+        assert_eq!(report.volume, None);
     }
 }

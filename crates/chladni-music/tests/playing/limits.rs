@@ -151,6 +151,21 @@ fn the_limit_holds_where_it_is_not_probed() {
 }
 
 #[test]
+fn the_modal_form_moves_a_shape_that_is_seen_to_move_also_where_it_has_thin_ends() {
+    let full = vec![1.0; BANDS];
+    let bands = Bands { left: &full, right: &full, mid: &full, side: &full, side_gain: 1.0, ringing: None };
+    let playing = Playing { form: Form::Modal, ..Playing::default() };
+    for ready in [octopus(), head()] {
+        let moved = |mapping| farthest(&displacements(ready, mapping, &bands, playing));
+        let mut ways: Vec<f64> = gallery(false).iter().map(moved).collect();
+        ways.sort_by(f64::total_cmp);
+        let share = |way: f64| way / f64::from(ready.dancer.box_diagonal);
+        let (least, middle) = (share(ways[0]), share(ways[ways.len() / 2]));
+        assert!(least > 0.004 && middle > 0.03, "{least}, {middle}");
+    }
+}
+
+#[test]
 fn the_modal_form_limits_sound_from_either_side_alike() {
     let ready = head();
     let (loud, half, silence) = (vec![1.0; BANDS], vec![0.5; BANDS], vec![0.0; BANDS]);

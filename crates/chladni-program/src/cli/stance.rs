@@ -8,7 +8,8 @@ use crate::work::Stance;
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct StanceOptions {
     /// Which axis of the file points up in pictures: x, y, z, -x, -y or -z. That of the show, the project
-    /// or the sample unless given, else estimated; results keep the file's axes in any case.
+    /// or the sample unless given, else estimated; results keep the file's axes in any case, and viewers of a
+    /// GLB take y for up.
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     up: Option<Axis>,
     /// Which axis of the file points to a viewer in front.

@@ -1,13 +1,15 @@
 //! Asking the user for files.
 
+mod system;
+
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::time::{Duration, Instant};
 
-use chladni_view::Draw;
+use egui::{Event, ViewportId};
 
-use super::file_window::{self, Purpose, Request};
+use super::file_window::{Purpose, Request};
 use crate::work::formats::ends_in;
+
+pub use system::SystemDialogs;
 
 /// Whether an environment variable is set and not empty.
 pub fn is_set(variable: &str) -> bool {
@@ -29,15 +31,9 @@ pub type FileKind<'a> = (&'a str, &'a [&'a str]);
 
 /// The source of answers: the system's dialogs, or a test.
 pub trait Chooser {
-    /// A file to read, of any of `kinds`; `None` if the user cancels.
-    fn open(&mut self, kinds: &[FileKind<'_>]) -> Option<PathBuf>;
-
-    /// Several files to read.
-    fn open_several(&mut self, kinds: &[FileKind<'_>]) -> Vec<PathBuf>;
-
-    /// A file to write, of any of `kinds`; `suggested` is a name, or a path, to start from. Has the extension
-    /// of the first kind if the user gave none.
-    fn save(&mut self, kinds: &[FileKind<'_>], suggested: &Path) -> Option<PathBuf>;
+    /// Asks, and waits for the answer: no files if the user cancels. A file to write has the extension of the first kind
+    /// if the user gave none.
+    fn ask(&mut self, request: Request) -> Vec<PathBuf>;
 
     /// Begins to ask while the window goes on; false where something is being asked already.
     fn begin(&mut self, request: Request) -> bool;
@@ -51,10 +47,99 @@ pub trait Chooser {
     }
 }
 
+/// The file dialogs of a window. While it waits for one, what is pressed in it counts for nothing.
+pub struct Dialogs {
+    chooser: Box<dyn Chooser>,
+    ctx: egui::Context,
+}
+
+impl Dialogs {
+    /// Those of `chooser`, for the window of `ctx`.
+    pub fn new(chooser: Box<dyn Chooser>, ctx: &egui::Context) -> Self {
+        ctx.add_plugin(Meanwhile::default());
+        Self { chooser, ctx: ctx.clone() }
+    }
+
+    /// A file to read, of any of `kinds`; `None` if the user cancels.
+    pub fn open(&mut self, kinds: &[FileKind<'_>]) -> Option<PathBuf> {
+        self.wait(Request::open(kinds)).pop()
+    }
+
+    /// Several files to read.
+    pub fn open_several(&mut self, kinds: &[FileKind<'_>]) -> Vec<PathBuf> {
+        self.wait(Request::open_several(kinds))
+    }
+
+    /// A file to write, of any of `kinds`; `suggested` is a name, or a path, to start from.
+    pub fn save(&mut self, kinds: &[FileKind<'_>], suggested: &Path) -> Option<PathBuf> {
+        self.wait(Request::save(kinds, suggested)).pop()
+    }
+
+    /// See [`Chooser::begin`].
+    pub fn begin(&mut self, request: Request) -> bool {
+        self.chooser.begin(request)
+    }
+
+    /// See [`Chooser::answer`].
+    pub fn answer(&mut self) -> Option<Vec<PathBuf>> {
+        self.chooser.answer()
+    }
+
+    /// See [`Chooser::trouble`].
+    pub fn trouble(&mut self) -> Option<String> {
+        self.chooser.trouble()
+    }
+
+    fn wait(&mut self, request: Request) -> Vec<PathBuf> {
+        let files = self.chooser.ask(request);
+        let frame = self.ctx.cumulative_frame_nr_for(ViewportId::ROOT);
+        self.ctx.with_plugin(|meanwhile: &mut Meanwhile| meanwhile.waited_in = Some(frame));
+        files
+    }
+}
+
+/// Drops what was pressed while a dialog was waited for: it was meant for the dialog, or for a picture that stood still.
+#[derive(Debug, Default)]
+struct Meanwhile {
+    /// The frame that waited.
+    waited_in: Option<u64>,
+}
+
+impl egui::Plugin for Meanwhile {
+    fn debug_name(&self) -> &'static str {
+        "input while a dialog is open"
+    }
+
+    fn input_hook(&mut self, ctx: &egui::Context, input: &mut egui::RawInput) {
+        let Some(waited_in) = self.waited_in else { return };
+        // The system held it back until the next frame.
+        if ctx.cumulative_frame_nr_for(ViewportId::ROOT) <= waited_in + 1 {
+            input.events.retain(|event| !is_pressed(event));
+        } else {
+            self.waited_in = None;
+        }
+    }
+}
+
+/// Whether something is pressed, typed or turned. What is let go counts, or it would stay down.
+fn is_pressed(event: &Event) -> bool {
+    matches!(
+        event,
+        Event::Key { pressed: true, .. }
+            | Event::PointerButton { pressed: true, .. }
+            | Event::Text(_)
+            | Event::Cut
+            | Event::Copy
+            | Event::Paste(_)
+            | Event::MouseWheel { .. }
+            | Event::Zoom(_)
+    )
+}
+
 /// Asks where to save a file of any of `kinds`. Its name gets the first one's ending unless it has one of `endings`
 /// already: `igea 1.2` has an extension, but not ours.
 pub fn ask_where_to_save(
-    chooser: &mut dyn Chooser,
+    dialogs: &mut Dialogs,
     kinds: &[FileKind<'_>],
     endings: &[&str],
     suggested: &Path,
@@ -62,7 +147,7 @@ pub fn ask_where_to_save(
     let ending = kinds.first()?.1.first()?;
     let mut suggested = suggested.to_owned();
     loop {
-        match with_ending(chooser.save(kinds, &suggested)?, endings, ending) {
+        match with_ending(dialogs.save(kinds, &suggested)?, endings, ending) {
             // The dialog asks before it replaces a file, but it did not know the name with the ending added.
             (path, true) if path.exists() => suggested = path,
             (path, _) => return Some(path),
@@ -102,184 +187,5 @@ impl Request {
             ((*name).to_owned(), extensions.iter().map(|extension| (*extension).to_owned()).collect())
         });
         Self { purpose, kinds: kinds.collect(), start }
-    }
-}
-
-/// A dialog that closes sooner never came up: nobody reads and clicks that fast.
-const TOO_FAST: Duration = Duration::from_millis(250);
-
-/// The dialogs of the system and, where none comes up, a file window of our own.
-#[derive(Debug, Default)]
-pub struct SystemDialogs {
-    /// The choice of the device that draws our own window.
-    draw: Draw,
-    /// No dialog of the system came up before.
-    missing: bool,
-    /// The folder of the file that was chosen last.
-    folder: PathBuf,
-    trouble: Option<String>,
-    /// The request that waits in the background, and the channel of its answer.
-    asking: Option<(Request, Receiver<Asked>)>,
-}
-
-/// The outcome of a dialog.
-#[derive(Debug)]
-struct Asked {
-    files: Vec<PathBuf>,
-    /// The system's dialog did not come up.
-    missing: bool,
-    trouble: Option<String>,
-}
-
-/// Asks the system, and uses our own window if that is `missing` or ends without an answer faster than a person could
-/// give one. `folder` is where our own begins if the request does not say, and it is drawn as `draw` says.
-fn ask(request: &Request, folder: &Path, mut missing: bool, draw: Draw) -> Asked {
-    if !missing {
-        let start = Instant::now();
-        let files = ask_the_system(request);
-        missing = files.is_empty() && start.elapsed() < TOO_FAST;
-        if !missing {
-            return Asked { files, missing, trouble: None };
-        }
-    }
-    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let start =
-        if is_with_folder(&request.start) { request.start.clone() } else { here.join(&request.start) };
-    match file_window::ask(&Request { start, ..request.clone() }, draw) {
-        Ok(files) => Asked { files, missing, trouble: None },
-        Err(error) => {
-            let trouble = format!(
-                "No file dialog came up, neither the system's (on Linux from xdg-desktop-portal or zenity) \
-                 nor our own: {error}. Files can also be named on the command line: chladni open FILE."
-            );
-            Asked { files: Vec::new(), missing, trouble: Some(trouble) }
-        }
-    }
-}
-
-fn is_with_folder(path: &Path) -> bool {
-    path.parent().is_some_and(|folder| !folder.as_os_str().is_empty())
-}
-
-fn ask_the_system(request: &Request) -> Vec<PathBuf> {
-    let mut dialog = rfd::FileDialog::new();
-    let is_read = request.purpose != Purpose::Save;
-    for (name, extensions) in request.kinds.iter().filter(|(_, extensions)| !extensions.is_empty()) {
-        // Dialogs of Linux tell `a.OBJ` from `a.obj`.
-        let capitals = extensions.iter().filter(|_| is_read).map(|extension| extension.to_uppercase());
-        let shown: Vec<String> = extensions.iter().cloned().chain(capitals).collect();
-        dialog = dialog.add_filter(name, &shown);
-    }
-    if is_read {
-        // Under zenity those whose name has a dot: rfd gives it `*.*`.
-        dialog = dialog.add_filter("All files", &["*"]);
-    }
-    if let Some(folder) = request.start.parent().filter(|_| is_with_folder(&request.start)) {
-        dialog = dialog.set_directory(folder);
-    }
-    if let Some(name) = request.start.file_name() {
-        dialog = dialog.set_file_name(name.to_string_lossy());
-    }
-    match request.purpose {
-        Purpose::Open => dialog.pick_file().into_iter().collect(),
-        Purpose::OpenSeveral => dialog.pick_files().unwrap_or_default(),
-        Purpose::Save => dialog.save_file().into_iter().collect(),
-    }
-}
-
-/// The request to make again where a file to be saved was named without an extension, and is there with it: the dialog,
-/// which alone asks before it replaces a file, did not know that name. Else the extension is added.
-fn completed(request: &Request, files: &mut [PathBuf]) -> Option<Request> {
-    let extension = request.kinds.first().and_then(|(_, extensions)| extensions.first());
-    let (Purpose::Save, Some(file), Some(extension)) = (request.purpose, files.first_mut(), extension) else {
-        return None;
-    };
-    if file.extension().is_some() {
-        return None;
-    }
-    file.set_extension(extension);
-    file.exists().then(|| Request { start: file.clone(), ..request.clone() })
-}
-
-impl SystemDialogs {
-    /// Our own window, where it is needed, is drawn as `draw` says.
-    pub fn drawn(draw: Draw) -> Self {
-        Self { draw, ..Self::default() }
-    }
-
-    /// Waits for the answer.
-    fn wait(&mut self, mut request: Request) -> Vec<PathBuf> {
-        loop {
-            let asked = ask(&request, &self.folder, self.missing, self.draw);
-            let mut files = self.take(asked);
-            match completed(&request, &mut files) {
-                Some(again) => request = again,
-                None => return files,
-            }
-        }
-    }
-
-    fn take(&mut self, asked: Asked) -> Vec<PathBuf> {
-        let Asked { files, missing, trouble } = asked;
-        self.missing = missing;
-        self.trouble = trouble.or(self.trouble.take());
-        if let Some(folder) = files.first().and_then(|file| file.parent()) {
-            self.folder = folder.to_owned();
-        }
-        files
-    }
-}
-
-impl Chooser for SystemDialogs {
-    fn open(&mut self, kinds: &[FileKind<'_>]) -> Option<PathBuf> {
-        self.wait(Request::open(kinds)).pop()
-    }
-
-    fn open_several(&mut self, kinds: &[FileKind<'_>]) -> Vec<PathBuf> {
-        self.wait(Request::open_several(kinds))
-    }
-
-    fn save(&mut self, kinds: &[FileKind<'_>], suggested: &Path) -> Option<PathBuf> {
-        self.wait(Request::save(kinds, suggested)).pop()
-    }
-
-    fn begin(&mut self, request: Request) -> bool {
-        if self.asking.is_some() {
-            return false;
-        }
-        let (answer, answers) = channel();
-        let (asks, folder, missing, draw) = (request.clone(), self.folder.clone(), self.missing, self.draw);
-        let asking = move || {
-            // If nobody waits any longer, the window is closed.
-            let _ = answer.send(ask(&asks, &folder, missing, draw));
-        };
-        match std::thread::Builder::new().name("file dialog".into()).spawn(asking) {
-            Ok(_) => self.asking = Some((request, answers)),
-            Err(error) => self.trouble = Some(format!("No file dialog can be opened: {error}")),
-        }
-        true
-    }
-
-    fn answer(&mut self) -> Option<Vec<PathBuf>> {
-        let asked = match self.asking.as_ref()?.1.try_recv() {
-            Ok(asked) => asked,
-            Err(TryRecvError::Empty) => return None,
-            Err(TryRecvError::Disconnected) => {
-                Asked { files: Vec::new(), missing: self.missing, trouble: None }
-            }
-        };
-        let (request, _) = self.asking.take()?;
-        let mut files = self.take(asked);
-        match completed(&request, &mut files) {
-            Some(again) => {
-                self.begin(again);
-                None
-            }
-            None => Some(files),
-        }
-    }
-
-    fn trouble(&mut self) -> Option<String> {
-        self.trouble.take()
     }
 }

@@ -53,7 +53,8 @@ impl egui::Plugin for Ring {
             return;
         }
         let painter = ui.ctx().layer_painter(control.layer_id).with_clip_rect(seen.expand(4.0));
-        let around = control.rect.expand(1.0);
+        // Of a control that fills the window it lies inside.
+        let around = control.rect.expand(1.0).intersect(ui.ctx().content_rect().shrink(2.0));
         // A rim below it, so that it is seen on any ground.
         for (width, color) in [(4.0, ui.visuals().panel_fill), (2.0, theme::palette(ui).accent)] {
             painter.rect_stroke(around, 6.0, Stroke::new(width, color), StrokeKind::Middle);
@@ -69,6 +70,11 @@ pub fn install(ctx: &egui::Context) {
     ctx.options_mut(|options| options.zoom_with_keyboard = false);
 }
 
+/// Calls the window `name` for screen readers: egui leaves the root of their tree without one.
+pub fn name_window(ctx: &egui::Context, name: &str) {
+    ctx.accesskit_node_builder(egui::accesskit_root_id(), |root| root.set_label(name));
+}
+
 /// Whether a text field, or a number that is being typed, had the focus at the end of the frame before.
 pub fn was_in_text(ctx: &egui::Context) -> bool {
     let kept = in_text(ctx.viewport_id());
@@ -82,4 +88,32 @@ fn in_text(window: ViewportId) -> Id {
 
 fn moves_the_focus(key: Key) -> bool {
     matches!(key, Key::Tab | Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown)
+}
+
+#[cfg(test)]
+mod tests {
+    use egui_kittest::Harness;
+
+    use super::*;
+
+    #[test]
+    fn the_ring_of_what_fills_the_window_lies_inside() {
+        let fill = |ui: &mut egui::Ui| {
+            let screen = ui.ctx().content_rect();
+            let _ = ui.interact(screen, Id::unique("stage"), egui::Sense::click());
+        };
+        let mut window = Harness::builder().with_size(egui::vec2(300.0, 200.0)).build_ui(fill);
+        install(&window.ctx);
+        window.run_steps(2);
+        window.key_press(Key::Tab);
+        window.run_steps(3);
+        let screen = window.ctx.content_rect().expand(0.01);
+        let strokes = window.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
+            egui::Shape::Rect(rect) if rect.stroke.width >= 2.0 => Some(rect),
+            _ => None,
+        });
+        let rings: Vec<egui::Rect> = strokes.map(|ring| ring.visual_bounding_rect()).collect();
+        assert_eq!(rings.len(), 2, "{rings:?}");
+        assert!(rings.iter().all(|ring| screen.contains_rect(*ring)), "{rings:?}");
+    }
 }

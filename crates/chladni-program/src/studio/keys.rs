@@ -58,6 +58,7 @@ keys! {
     EXPORT = command E, "Export";
     UNDO = command Z, "Undo";
     REDO = command_shift Z, "Redo";
+    REDO_BY_Y = command Y, "Redo";
     ADD_MESH = command T, "Compare with a mesh: a new layer";
     DUPLICATE = command D, "Duplicate the layer";
     DELETE = key Delete, "Delete the layer";
@@ -128,6 +129,7 @@ keys! {
     BREED = key Enter, "Breed the chosen ones";
     BACK = command Z, "Back to the generation of the parents";
     FORTH = command_shift Z, "On to the generation after";
+    FORTH_BY_Y = command Y, "On to the generation after";
     MARK_LEFT = key ArrowLeft, "Mark the dance to the left (on stage: the one before)";
     MARK_RIGHT = key ArrowRight, "Mark the dance to the right (on stage: the one after)";
     MARK_ABOVE = key ArrowUp, "Mark the dance above";

@@ -13,6 +13,7 @@ mod context_menu;
 mod copying;
 mod curve_keys;
 mod device;
+mod dropping;
 mod effort;
 mod error;
 mod file_window;
@@ -55,7 +56,7 @@ use chladni_task::Task;
 use egui::Key;
 
 pub use caricature::Rehearsal;
-pub use choose::{Chooser, FileKind, SystemDialogs};
+pub use choose::{Chooser, SystemDialogs};
 pub use error::StudioError;
 pub use file_window::{COMMAND as CHOOSE_FILE, FileWindow, Purpose, Request, open as choose_file};
 pub use folders::Folders;
@@ -65,8 +66,10 @@ pub use opening::{Live, Opening, PlayedFrame, SetOutput, SetPlan, SetTarget, Tra
 pub use processor_window::Painter;
 pub use settings::Settings;
 
+use choose::Dialogs;
 use closing::Closing;
 use fitting::Fitting;
+use key_sheet::KeySheet;
 use keys::window::{FULL_SCREEN, HELP, SWITCH_ROOM};
 use notices::Notices;
 use pictures::Pictures;
@@ -87,7 +90,7 @@ pub struct Studio {
     /// Seconds on the clock when the window opened, if it continues another window.
     inherited_secs: Option<f64>,
     folders: Folders,
-    chooser: Box<dyn Chooser>,
+    chooser: Dialogs,
     measure: Option<Rc<RefCell<Measure>>>,
     first_picture: Option<Rc<FirstPicture>>,
     now: fn() -> Instant,
@@ -102,7 +105,7 @@ pub struct Studio {
     rooms: Vec<Box<dyn Room>>,
     /// The room on screen; `None` is the start screen.
     current: Option<usize>,
-    key_sheet_open: bool,
+    key_sheet: KeySheet,
     closing: Closing,
     /// Nobody has chosen preferences yet.
     first_run: bool,
@@ -167,6 +170,8 @@ impl Studio {
             }
             None => Settings::default(),
         };
+        // Before the ring of the focus, which sees no key that is dropped.
+        let chooser = Dialogs::new(chooser, ctx);
         focus::install(ctx);
         ctx.set_zoom_factor(settings.zoom);
         let left = handover.take();
@@ -203,7 +208,7 @@ impl Studio {
             notices,
             rooms,
             current,
-            key_sheet_open: false,
+            key_sheet: KeySheet::default(),
             closing: Closing::No,
             first_run,
             fitting: Fitting::default(),
@@ -226,13 +231,34 @@ impl Studio {
     /// Opens files in the room that they are meant for, else in the one on screen.
     fn open_files(&mut self, ctx: &egui::Context, files: &[PathBuf]) {
         let files: Vec<PathBuf> = files.iter().map(|path| from_anywhere(path)).collect();
-        let meant = self.rooms.iter().position(|room| files.iter().any(|path| room.claims(path)));
-        let index = meant.or(self.current).unwrap_or(0);
+        let index = self.room_for(&files);
         let at_start = self.current.is_none();
         self.current = Some(index);
         self.with_room(ctx, index, |room, shared| {
             if at_start { room.open_anew(&files, shared) } else { room.open(&files, shared) }
         });
+    }
+
+    /// The room that `files` are meant for, else the one on screen.
+    fn room_for(&self, files: &[PathBuf]) -> usize {
+        let meant = self.rooms.iter().position(|room| files.iter().any(|path| room.claims(path)));
+        meant.or(self.current).unwrap_or(0)
+    }
+
+    /// While files are held over the window: what dropping them does.
+    fn say_what_a_drop_does(&self, ctx: &egui::Context) {
+        let held = |input: &egui::InputState| {
+            let paths = input.raw.hovered_files.iter().filter_map(|file| file.path.as_deref());
+            paths.map(from_anywhere).collect::<Vec<PathBuf>>()
+        };
+        let files = ctx.input(held);
+        if files.is_empty() {
+            return;
+        }
+        let room = self.rooms.get(self.room_for(&files));
+        if let Some(does) = room.and_then(|room| room.drop_does(&files, self.current.is_none())) {
+            dropping::show(ctx, &does);
+        }
     }
 
     fn with_room<R>(
@@ -249,7 +275,7 @@ impl Studio {
             pictures: &mut self.pictures,
             settings: &mut self.settings,
             folders: &self.folders,
-            chooser: self.chooser.as_mut(),
+            chooser: &mut self.chooser,
             now: self.now,
         };
         Some(act(room.as_mut(), &mut shared))
@@ -257,14 +283,14 @@ impl Studio {
 
     fn handle_keys(&mut self, ctx: &egui::Context) {
         if HELP.pressed_anywhere(ctx) {
-            self.key_sheet_open = !self.key_sheet_open;
+            self.key_sheet.open = !self.key_sheet.open;
         }
         // A menu in front of the sheet has Escape first.
-        if self.key_sheet_open
+        if self.key_sheet.open
             && !egui::Popup::is_any_open(ctx)
             && ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape))
         {
-            self.key_sheet_open = false;
+            self.key_sheet.open = false;
         }
         if SWITCH_ROOM.pressed_anywhere(ctx) && !self.rooms.is_empty() {
             self.current = Some(self.current.map_or(0, |room| (room + 1) % self.rooms.len()));
@@ -343,6 +369,7 @@ impl Studio {
 impl Program for Studio {
     fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
+        focus::name_window(&ctx, opening::TITLE);
         if self.hand_over(&ctx) {
             return;
         }
@@ -385,13 +412,16 @@ impl Program for Studio {
         let room = self.current.and_then(|index| self.rooms.get(index));
         let (name, shortcuts) =
             room.map_or(("Start", keys::start::ALL), |room| (room.name(), room.shortcuts()));
-        key_sheet::show(&ctx, &mut self.key_sheet_open, name, shortcuts);
+        self.key_sheet.show(&ctx, name, shortcuts);
         // On stage they would be in the picture, but answers to a form or a question belong beside it.
         if !hidden || room.is_some_and(|room| room.asks()) || self.is_closing() {
             if let Some(trouble) = self.chooser.trouble() {
                 self.notices.error(trouble);
             }
             self.notices.show(&ctx, (self.now)());
+        }
+        if !hidden {
+            self.say_what_a_drop_does(&ctx);
         }
         self.save_settings(&ctx);
         self.count_frame(&ctx);

@@ -22,6 +22,9 @@ use super::measure::{FirstPicture, Measure};
 use super::processor_window::{self, Program};
 use super::screen::Screen;
 
+/// Its name, in its frame and for screen readers.
+pub(super) const TITLE: &str = "Chladni";
+
 /// Points of the window when it opens.
 pub(super) const WINDOW: [f32; 2] = [1320.0, 820.0];
 
@@ -71,7 +74,7 @@ pub fn open(
 
 fn open_once(opening: Opening) -> Result<(), StudioError> {
     let viewport = egui::ViewportBuilder::default()
-        .with_title("Chladni")
+        .with_title(TITLE)
         .with_app_id("chladni")
         .with_inner_size(WINDOW)
         .with_min_inner_size(SMALLEST);

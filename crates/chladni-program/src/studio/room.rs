@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::choose::Chooser;
+use super::choose::Dialogs;
 use super::folders::Folders;
 use super::icon::Icon;
 use super::measure::OnStage;
@@ -36,6 +36,10 @@ pub trait Room {
     fn open_anew(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
         self.open(paths, shared);
     }
+
+    /// What taking `paths` does, in words for the hand that holds them over the window; `anew` where they begin something of
+    /// their own. `None` where none of them is opened here.
+    fn drop_does(&self, paths: &[PathBuf], anew: bool) -> Option<String>;
 
     /// Extensions of the files that it opens, without dots.
     fn extensions(&self) -> Vec<&'static str>;
@@ -124,7 +128,7 @@ pub struct Shared<'a> {
     /// Where things are kept.
     pub folders: &'a Folders,
     /// The file dialogs.
-    pub chooser: &'a mut dyn Chooser,
+    pub chooser: &'a mut Dialogs,
     /// How long work takes is measured by this clock.
     pub now: fn() -> std::time::Instant,
 }

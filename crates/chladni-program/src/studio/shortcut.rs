@@ -35,13 +35,13 @@ impl Shortcut {
         Self { keys: KeyboardShortcut::new(modifiers, key), action }
     }
 
-    /// Whether it was pressed in this frame, neither for the control that has the focus nor beneath a question or a menu;
-    /// consumes the key. Held down, it counts again only if it goes step by step.
+    /// Whether it was pressed in this frame, neither for the control that has the focus nor while the window
+    /// [is asked](is_asked) something; consumes the key. Held down, it counts again only if it goes step by step.
     pub fn pressed(&self, ctx: &egui::Context) -> bool {
         !is_asked(ctx) && self.pressed_anywhere(ctx)
     }
 
-    /// The same, also beneath a question or a menu: for keys of the window itself.
+    /// The same, also while the window [is asked](is_asked) something: for keys of the window itself.
     pub fn pressed_anywhere(&self, ctx: &egui::Context) -> bool {
         let key = self.keys.logical_key;
         let taken = match self.keys.modifiers {
@@ -52,8 +52,8 @@ impl Shortcut {
         !taken && ctx.input_mut(|input| take(input, &self.keys))
     }
 
-    /// Whether a key without modifiers is down, neither for the control that has the focus nor beneath a question
-    /// or a menu.
+    /// Whether a key without modifiers is down, neither for the control that has the focus nor while the window
+    /// [is asked](is_asked) something.
     pub fn held(&self, ctx: &egui::Context) -> bool {
         let key = self.keys.logical_key;
         ctx.input(|input| input.key_down(key)) && !is_taken(ctx, key) && !is_asked(ctx)
@@ -87,7 +87,7 @@ impl Shortcut {
 const EDITING: [Key; 6] = [Key::Z, Key::Y, Key::X, Key::C, Key::V, Key::A];
 
 /// Keys that go on step by step while they are held down; every other key acts once.
-const STEPPING: [Key; 12] = [
+const STEPPING: [Key; 13] = [
     Key::ArrowLeft,
     Key::ArrowRight,
     Key::ArrowUp,
@@ -101,7 +101,17 @@ const STEPPING: [Key; 12] = [
     Key::Minus,
     // With Ctrl: back and forth.
     Key::Z,
+    Key::Y,
 ];
+
+/// By how many steps the control that has the focus goes on: presses of `more` without Ctrl, less those of `less`. Takes
+/// them out of the input.
+pub fn steps(ui: &egui::Ui, more: Key, less: Key) -> f32 {
+    ui.input_mut(|input| {
+        let mut presses = |key| input.count_and_consume_key(Modifiers::NONE, key) as f32;
+        presses(more) - presses(less)
+    })
+}
 
 /// Takes the presses of `keys` out of the input; whether there was one that counts.
 fn take(input: &mut InputState, keys: &KeyboardShortcut) -> bool {
@@ -116,7 +126,7 @@ fn take(input: &mut InputState, keys: &KeyboardShortcut) -> bool {
     counts
 }
 
-/// Whether a question, a choice or a menu stands in front of everything else: it has the keys.
+/// Whether a question, a choice, a menu or the sheet of keys stands in front of everything else: it has the keys.
 pub fn is_asked(ctx: &egui::Context) -> bool {
     let is_below = !ctx.memory(|memory| memory.is_above_modal_layer(egui::LayerId::background()));
     is_below || egui::Popup::is_any_open(ctx)

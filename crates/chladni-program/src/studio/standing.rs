@@ -49,7 +49,8 @@ impl Standing {
                 self.given = None;
             }
         });
-        let tip = format!("Which way is up: {now}. Exports keep the file's axes.");
+        let tip =
+            format!("Which way is up: {now}. Exports keep the file's axes; viewers take y for up in a GLB.");
         let button = menu.response.accessible_name(format!("Which way is up: {now}"));
         button.author_id("stance").on_hover_text(tip);
         self.given != before

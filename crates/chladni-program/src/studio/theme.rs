@@ -1,6 +1,13 @@
 //! One look for the whole window: colors, type scale, spacing. Dark and light.
 
+use egui::class::HasClasses;
+use egui::theme::{DefaultStyle, StyleProvider};
+use egui::widget_style::{ButtonStyle, StyleArgs};
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme, Vec2};
+
+mod numbers;
+
+pub use numbers::{in_units, number, number_in, slider};
 
 /// Small gap, between an icon and its label.
 pub const GAP_SMALL: f32 = 4.0;
@@ -10,6 +17,8 @@ pub const GAP: f32 = 8.0;
 pub const GAP_LARGE: f32 = 16.0;
 /// Width of a panel of controls.
 pub const PANEL_WIDTH: f32 = 308.0;
+/// The least side of what is clicked, or its distance from the next (WCAG 2.2, criterion 2.5.8).
+pub const TARGET: f32 = 24.0;
 /// All of an image, in its own coordinates.
 pub const WHOLE_IMAGE: egui::Rect = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
 
@@ -61,11 +70,37 @@ const LIGHT: Palette = Palette {
 };
 
 /// Text on the accent.
-const ON_ACCENT: Color32 = Color32::from_rgb(24, 18, 8);
+pub const ON_ACCENT: Color32 = Color32::from_rgb(24, 18, 8);
 
 /// The palette of the theme that `ui` is drawn in.
 pub fn palette(ui: &egui::Ui) -> Palette {
-    if ui.visuals().dark_mode { DARK } else { LIGHT }
+    palette_of(ui.visuals())
+}
+
+fn palette_of(visuals: &egui::Visuals) -> Palette {
+    if visuals.dark_mode { DARK } else { LIGHT }
+}
+
+/// The line around what is chosen, whose fill alone hardly stands out.
+pub fn chosen_line(visuals: &egui::Visuals) -> Stroke {
+    Stroke::new(1.0, palette_of(visuals).accent)
+}
+
+/// Buttons as egui draws them, with a line around those that are chosen.
+struct Outlined;
+
+impl StyleProvider<ButtonStyle> for Outlined {
+    fn style(&mut self, modifiers: &StyleArgs<'_>) -> ButtonStyle {
+        let mut style: ButtonStyle = DefaultStyle.style(modifiers);
+        let is = |class: &str| modifiers.classes.has_class(class);
+        // A button without a frame has none around it, either. In menus a frame has no line, and must not grow by this one.
+        if is(&egui::Button::CLASS_SELECTED) && !is(&egui::Button::CLASS_NO_FRAME) {
+            let line = chosen_line(&modifiers.style.visuals);
+            let frame = &mut style.atom_layout.frame;
+            *frame = frame.apply_stroke_and_expansion_without_layout_shift(line, 0.0);
+        }
+        style
+    }
 }
 
 /// Type scale: a title on the start screen.
@@ -146,56 +181,6 @@ pub fn wide_row<R>(
     .inner
 }
 
-/// A slider that leaves its value as it is until it is moved: egui's own rounds and bounds a value that it only
-/// shows, and says that it has changed.
-pub fn slider<N: egui::emath::Numeric>(
-    value: &mut N,
-    range: std::ops::RangeInclusive<N>,
-) -> egui::Slider<'_> {
-    egui::Slider::new(value, range).clamping(egui::SliderClamping::Edits)
-}
-
-/// Whether a number that `response` shows was edited in this frame. egui reads its text once more where it is only left, as by
-/// Tab: rounded as it was shown, and within the range, the number would change without an edit. An edit was taken in
-/// while it was typed.
-pub fn is_edited(response: &egui::Response) -> bool {
-    response.changed() && !is_only_left(response)
-}
-
-/// Shows a number with `control`, and keeps what it was edited to; whether it was.
-pub fn edit<N: Copy>(value: &mut N, control: impl FnOnce(&mut N) -> egui::Response) -> bool {
-    let mut edited = *value;
-    let is_edited = is_edited(&control(&mut edited));
-    if is_edited {
-        *value = edited;
-    }
-    is_edited
-}
-
-/// Whether a number was left in this frame, and nothing else happened to it.
-fn is_only_left(response: &egui::Response) -> bool {
-    use egui::accesskit::Action::{Decrement, Increment, ReplaceSelectedText, SetValue};
-    use egui::{Event, Key};
-
-    let edits = |event: &Event| match event {
-        Event::Key { key, pressed, .. } => *pressed && !matches!(key, Key::Tab | Key::Enter | Key::Escape),
-        Event::Text(_) | Event::Paste(_) | Event::Cut | Event::Ime(_) => true,
-        Event::AccessKitActionRequest(request) => {
-            matches!(request.action, SetValue | Increment | Decrement | ReplaceSelectedText)
-        }
-        _ => false,
-    };
-    let moved = response.dragged() || response.drag_stopped();
-    response.lost_focus() && !moved && !response.ctx.input(|input| input.events.iter().any(edits))
-}
-
-/// A slider whose value has a unit. With a suffix of egui's own the value's name would be "%", not that of its row.
-pub fn with_unit<'a>(slider: egui::Slider<'a>, decimals: usize, unit: &'static str) -> egui::Slider<'a> {
-    slider
-        .custom_formatter(move |value, _| format!("{value:.decimals$} {unit}"))
-        .custom_parser(move |typed| typed.trim().trim_end_matches(unit).trim().parse().ok())
-}
-
 /// A checkbox whose empty box is seen, too.
 pub fn checkbox(ui: &mut egui::Ui, on: &mut bool, label: &str) -> egui::Response {
     ui.scope(|ui| {
@@ -231,6 +216,7 @@ pub fn install(ctx: &egui::Context) {
     super::icon::install(&mut fonts);
     ctx.set_fonts(fonts);
     ctx.add_plugin(super::icon::Unspoken);
+    ctx.add_widget_theme::<ButtonStyle>(Outlined);
     ctx.all_styles_mut(|style| {
         style.text_styles = [
             (title(), FontId::new(30.0, FontFamily::Proportional)),
@@ -353,6 +339,38 @@ mod tests {
         for theme in [Theme::Dark, Theme::Light] {
             let scroll = ctx.style_of(theme).spacing.scroll;
             assert!(scroll.allocated_width() > scroll.bar_width, "{theme:?}");
+        }
+    }
+
+    #[test]
+    fn a_line_that_stands_out_surrounds_what_is_chosen() {
+        for (theme, in_menu) in
+            [Theme::Dark, Theme::Light].into_iter().flat_map(|theme| [(theme, false), (theme, true)])
+        {
+            let (ctx, mut panel) = (egui::Context::default(), Color32::TRANSPARENT);
+            install(&ctx);
+            ctx.set_theme(theme);
+            let look = |chosen: bool| {
+                let mut place = egui::Rect::NOTHING;
+                let output = ctx.run_ui(egui::RawInput::default(), |ui| {
+                    if in_menu {
+                        egui::containers::menu::menu_style(ui.style_mut());
+                    }
+                    panel = ui.visuals().panel_fill;
+                    place = ui.selectable_label(chosen, "Everywhere").rect;
+                });
+                let is_outlined = output.shapes.iter().any(|clipped| match &clipped.shape {
+                    egui::Shape::Rect(rect) => {
+                        let Stroke { width, color } = rect.stroke;
+                        width >= 1.0 && color.is_opaque() && contrast(color, panel) >= 3.0
+                    }
+                    _ => false,
+                });
+                (is_outlined, place)
+            };
+            let [chosen, plain] = [true, false].map(look);
+            assert_eq!([chosen.0, plain.0], [true, false], "{theme:?}, menu: {in_menu}");
+            assert_eq!(chosen.1, plain.1, "{theme:?}, menu: {in_menu}");
         }
     }
 

@@ -36,7 +36,7 @@ impl Studio {
 
     fn window_buttons(&mut self, ui: &mut egui::Ui) {
         if ui.button(icon::text(Icon::Keyboard)).on_hover_text(HELP.tooltip(ui.ctx())).clicked() {
-            self.key_sheet_open = !self.key_sheet_open;
+            self.key_sheet.open = !self.key_sheet.open;
         }
         let (mark, tip) =
             if self.settings.light { (Icon::Moon, "Dark theme") } else { (Icon::Sun, "Light theme") };

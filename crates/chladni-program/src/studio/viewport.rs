@@ -10,7 +10,7 @@ use egui::{EventFilter, Key, Modifiers, Role};
 use super::effort::{Effort, Quality};
 use super::keys::view as keys;
 use super::screen::{Screen, Shown};
-use super::theme;
+use super::{shortcut, theme};
 use crate::work::Scenery;
 
 /// The key under which egui remembers that a view was drawn.
@@ -326,11 +326,8 @@ pub fn navigate_by(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera
         let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
         ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
         let [right, down, nearer] =
-            [(Key::ArrowRight, Key::ArrowLeft), (Key::ArrowDown, Key::ArrowUp), (Key::Plus, Key::Minus)].map(
-                |(more, less)| {
-                    ui.input(|input| input.num_presses(more) as f32 - input.num_presses(less) as f32)
-                },
-            );
+            [(Key::ArrowRight, Key::ArrowLeft), (Key::ArrowDown, Key::ArrowUp), (Key::Plus, Key::Minus)]
+                .map(|(more, less)| shortcut::steps(ui, more, less));
         if (right, down, nearer) != (0.0, 0.0, 0.0) {
             camera.orbit(KEY_DRAG * right, KEY_DRAG * down);
             camera.zoom(nearer);

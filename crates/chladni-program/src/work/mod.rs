@@ -111,7 +111,7 @@ pub use region_look::{MARKED, PAINTED, RING, lay_ring, tints, with_pointed};
 pub use sand::SandTable;
 pub use scenery::{PANORAMAS, PICTURES, Scenery};
 pub use sculpture::{Made, Sculpture, make, settled};
-pub use sitter::{head_parts, sitter};
+pub use sitter::{HEADLIKE, head_parts, sitter};
 pub use stance::Stance;
 pub use starting_point::{STARTING_POINTS, StartingPoint, layer_against, layer_since, results};
 pub use subject::Subject;

@@ -32,7 +32,7 @@ pub fn from_anywhere(path: &Path) -> PathBuf {
 /// Reads a mesh file, or makes a sample; warns of repairs.
 ///
 /// # Errors
-/// [`Error::Mesh`], which names it, and [`Error::Input`] for `sample:tune`.
+/// [`Error::Mesh`], which names it, [`Error::Input`] for `sample:tune`, and [`Error::Cancelled`] once it is read.
 pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Error> {
     Ok(loaded(source, watcher)?.mesh)
 }
@@ -43,13 +43,14 @@ pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Er
 /// As [`shape`] does.
 pub fn loaded(source: &ShapeSource, watcher: &impl Watcher) -> Result<Loaded, Error> {
     let loaded = watcher.watch("reading the mesh", |_| source.load(None));
+    watcher.task().check()?;
     let loaded = loaded.map_err(|error| explained(source, error))?;
     warn_of_repairs(source, &loaded, watcher);
     Ok(loaded)
 }
 
 /// The error of reading `source`, with what may have been meant by its name.
-pub fn explained(source: &ShapeSource, error: MeshError) -> Error {
+fn explained(source: &ShapeSource, error: MeshError) -> Error {
     if source.to_string() == TUNE {
         return Error::Input(format!("{TUNE}: is a song, not a shape"));
     }

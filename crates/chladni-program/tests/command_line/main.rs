@@ -102,6 +102,15 @@ fn info_counts_a_sample() {
 }
 
 #[test]
+fn info_gives_the_reason_for_a_stance_in_doubt_as_text_and_as_json() {
+    let json = Run::of(&["info", "sample:ring", "--json"]).succeeded().json();
+    assert_eq!(json["stands"]["in_doubt"], true);
+    let because = json["stands"]["because"].as_str().unwrap();
+    let said = Run::of(&["info", "sample:ring"]).succeeded().stdout();
+    assert!(said.contains(&format!("(because {because}, but in doubt)")), "{said}");
+}
+
+#[test]
 fn a_project_of_one_harmonic_says_so_in_the_singular() {
     let folder = tempfile::tempdir().unwrap();
     let project = folder.path().join("p.chladni");

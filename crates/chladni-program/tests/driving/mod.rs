@@ -14,7 +14,7 @@ use std::rc::Rc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use chladni_program::studio::{Chooser, FileKind, Opening, Purpose, Request, Studio};
+use chladni_program::studio::{Chooser, Opening, Purpose, Request, Studio};
 use chladni_view::{Draw, Gpu};
 use eframe::wgpu;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -45,37 +45,34 @@ impl Answers {
         self.3.set(still);
     }
 
-    /// Extensions that the person could choose from when last asked for several files.
+    /// Extensions that the person could choose from when last asked.
     #[allow(dead_code, reason = "each test program uses a part")]
     pub fn offered(&self) -> Vec<String> {
         self.1.borrow().clone()
     }
+
+    /// The next answer, or all of them where several files are asked for.
+    fn give(&self, request: &Request) -> Vec<PathBuf> {
+        let extensions = request.kinds.iter().flat_map(|(_, extensions)| extensions);
+        *self.1.borrow_mut() = extensions.cloned().collect();
+        let most = if request.purpose == Purpose::OpenSeveral { usize::MAX } else { 1 };
+        let mut answers = self.0.borrow_mut();
+        let count = answers.len().min(most);
+        answers.drain(..count).collect()
+    }
 }
 
 impl Chooser for Answers {
-    fn open(&mut self, _: &[FileKind<'_>]) -> Option<PathBuf> {
-        self.0.borrow_mut().pop_front()
-    }
-
-    fn open_several(&mut self, kinds: &[FileKind<'_>]) -> Vec<PathBuf> {
-        let extensions = kinds.iter().flat_map(|(_, extensions)| extensions.iter());
-        *self.1.borrow_mut() = extensions.map(|extension| (*extension).to_owned()).collect();
-        self.0.borrow_mut().drain(..).collect()
-    }
-
-    fn save(&mut self, _: &[FileKind<'_>], _: &Path) -> Option<PathBuf> {
-        self.0.borrow_mut().pop_front()
+    fn ask(&mut self, request: Request) -> Vec<PathBuf> {
+        self.give(&request)
     }
 
     fn begin(&mut self, request: Request) -> bool {
         if self.2.borrow().is_some() {
             return false;
         }
-        let extensions = request.kinds.iter().flat_map(|(_, extensions)| extensions);
-        *self.1.borrow_mut() = extensions.cloned().collect();
-        let several = request.purpose == Purpose::OpenSeveral;
-        let count = if several { self.0.borrow().len() } else { 1.min(self.0.borrow().len()) };
-        *self.2.borrow_mut() = Some(self.0.borrow_mut().drain(..count).collect());
+        let files = self.give(&request);
+        *self.2.borrow_mut() = Some(files);
         true
     }
 
@@ -197,6 +194,22 @@ pub fn refuse(device: &wgpu::Device) {
 /// The control that is known as `id`, whatever it is called.
 pub fn control<'a, State>(window: &'a Harness<'_, State>, id: &'a str) -> Node<'a> {
     window.get_by(move |node| node.author_id() == Some(id))
+}
+
+/// Whether each of these controls is hit without its neighbors: it is 24 points wide and high, or a circle of that width
+/// around its middle meets none of them, nor such a circle of another small one (WCAG 2.2, criterion 2.5.8).
+#[allow(dead_code, reason = "each test program uses a part")]
+pub fn are_hit_apart(controls: &[egui::Rect]) -> bool {
+    // Less by what places on whole pixels may lose.
+    const LEAST: f32 = 23.9;
+    let is_small = |control: &egui::Rect| control.size().min_elem() < LEAST;
+    let is_far = |small: &egui::Rect, other: &egui::Rect| {
+        let between = (small.center() - other.center()).length();
+        other.distance_to_pos(small.center()) >= 0.5 * LEAST && (between >= LEAST || !is_small(other))
+    };
+    let is_apart =
+        |small: &egui::Rect| controls.iter().all(|other| std::ptr::eq(small, other) || is_far(small, other));
+    controls.iter().all(|control| !is_small(control) || is_apart(control))
 }
 
 /// Whether there is a control that is known as `id`.

@@ -156,7 +156,7 @@ fn every_format_that_is_decoded_is_offered_and_volume_and_device_are_chosen_and_
         assert!(offered.iter().any(|known| known == format), "{format} is not offered");
     }
     click(&mut window, "drawer/songs");
-    for (slider, typed) in [("Volume", "0.25"), ("Crossfade", "3")] {
+    for (slider, typed) in [("Volume", "0,25"), ("Crossfade", "3")] {
         window.get_by_role_and_label(Role::SpinButton, slider).focus();
         window.run_steps(2);
         window.get_by_role_and_label(Role::SpinButton, slider).type_text(typed);

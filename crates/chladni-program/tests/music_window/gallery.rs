@@ -95,12 +95,14 @@ fn breed_by_keys(window: &mut Window) {
         window.run_steps(1);
     }
     assert!(shows(window, "4 / 4") && !is_chosen(window, "dance/6"));
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    window.run_steps(2);
-    assert!(shows(window, "3 / 4"));
-    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    window.run_steps(2);
-    assert!(shows(window, "4 / 4"));
+    for (on, key) in [(Modifiers::SHIFT, Key::Z), (Modifiers::NONE, Key::Y)] {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        window.run_steps(2);
+        assert!(shows(window, "3 / 4"));
+        window.key_press_modifiers(Modifiers::COMMAND | on, key);
+        window.run_steps(2);
+        assert!(shows(window, "4 / 4"), "{key:?}");
+    }
 }
 
 /// Names a dance and draws its a by hand: full to the left of the middle, still to the right.
@@ -358,4 +360,64 @@ fn a_sheet_begins_with_sand_that_goes_with_it() {
         assert_eq!(is_on(&window), sandy);
     }
     screenshot(&mut window, "window-music-sheet.png");
+}
+
+#[test]
+fn the_buttons_of_a_dance_are_hit_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
+    point_at(&mut window, "dance/1");
+    let cell = control(&window, "dance/1").rect().shrink(1.0);
+    let inside = |role: Role| {
+        let controls = window.query_all_by_role(role).map(|control| control.rect());
+        controls.filter(|rect| cell.contains_rect(*rect)).collect::<Vec<_>>()
+    };
+    let buttons = [inside(Role::CheckBox), inside(Role::Button)].concat();
+    assert!(buttons.len() >= 4 && are_hit_apart(&buttons), "{buttons:?}");
+    // A small one is measured from the edge of a wide one, not from its middle.
+    let wide = egui::Rect::from_min_size(Pos2::ZERO, egui::vec2(100.0, 24.0));
+    let small = |y| egui::Rect::from_center_size(egui::pos2(90.0, y), egui::Vec2::splat(10.0));
+    assert_eq!([30.0, 37.0].map(|y| are_hit_apart(&[wide, small(y)])), [false, true]);
+    assert_eq!([50.0, 62.0].map(|y| are_hit_apart(&[small(37.0), small(y)])), [false, true]);
+}
+
+/// Contrast of two colors (WCAG 2.2).
+fn contrast(a: [u8; 4], b: [u8; 4]) -> f32 {
+    let luminance = |[r, g, b, _]: [u8; 4]| {
+        let [r, g, b] = [r, g, b].map(|level| (f32::from(level) / 255.0).powf(2.2));
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    };
+    let (a, b) = (luminance(a), luminance(b));
+    (a.max(b) + 0.05) / (a.min(b) + 0.05)
+}
+
+#[test]
+fn borders_and_marks_are_seen_on_a_white_background() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    let white = "harmonics = 24\n[music]\nleans_back = false\nlook = \"\"\nbackground = \"white\"\n";
+    std::fs::write(folders.settings.as_ref().unwrap(), white).unwrap();
+    let mut window = enter(Opening { folders, ..Opening::default() });
+    click(&mut window, "dance/2");
+    window.run_steps(4);
+    let cell = control(&window, "dance/2").rect();
+    let picture = window.render().unwrap();
+    let edge = (0..8).map(|x| picture.get_pixel(cell.left() as u32 + x, cell.center().y as u32).0);
+    let edge: Vec<[u8; 4]> = edge.collect();
+    let line = edge.iter().find(|[r, _, b, _]| i32::from(*r) - i32::from(*b) > 100);
+    let is_seen =
+        |line: &[u8; 4]| edge.iter().any(|beside| beside[0] < line[0] && contrast(*beside, *line) >= 3.0);
+    assert!(line.is_some_and(is_seen), "{edge:?}");
+
+    // Which marks are set is seen without their colors.
+    let mut plates = || {
+        let favorite = window.get_by_role_and_label(Role::CheckBox, "Favorite").rect();
+        let picture = window.render().unwrap();
+        let plate = picture.get_pixel(favorite.left() as u32 + 3, favorite.center().y as u32).0;
+        window.key_press(Key::F);
+        window.run_steps(3);
+        plate
+    };
+    let (off, on) = (plates(), plates());
+    assert!(contrast(off, on) >= 3.0, "{off:?}, {on:?}");
 }

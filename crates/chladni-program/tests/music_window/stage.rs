@@ -224,3 +224,19 @@ fn arrows_go_through_the_gallery_where_the_beat_does() {
     });
     assert_eq!(put.collect::<Vec<_>>(), [11, 0, 11, 10]);
 }
+
+#[test]
+fn keys_that_do_nothing_else_on_stage_show_those_that_help() {
+    let (mut window, _folder) = enter_with("leans_back = false\n");
+    press_on(&mut window, "dance/2", Key::S);
+    let hint = "leaves the stage";
+    // Tab leads to the picture, which an arrow then turns.
+    for (key, helps) in
+        [(Key::Q, true), (Key::ControlLeft, false), (Key::B, false), (Key::Tab, true), (Key::ArrowUp, false)]
+    {
+        wait(&mut window, "the end of the hint", |w| !shows(w, hint));
+        window.key_press(key);
+        window.run_steps(2);
+        assert_eq!(shows(&window, hint), helps, "{key:?}");
+    }
+}

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use chladni_caricature::{Project, ShapeSource};
 use chladni_mesh::save_mesh;
 use chladni_program::studio::{FirstPicture, Opening};
-use egui::Key;
+use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
 use crate::driving::person::{self, Desk, HARMONICS, Person};
@@ -46,6 +46,27 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
     person.click("save-and-close");
     assert_eq!(Project::load(&desk.path("kept.chladni")).unwrap().layers().len(), 1);
     person.wait("the copy's end", |_| !kept());
+}
+
+/// The system holds back what is pressed while the window waits for its dialog, and hands it over with the next frame.
+#[test]
+fn a_key_that_is_pressed_beside_a_dialog_changes_nothing() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.add_layer("magnify");
+    person.wait_to_see("Magnify all 1");
+    desk.answers.add(desk.path("kept.chladni"));
+    for (modifiers, key) in [(CTRL, Key::S), (Modifiers::NONE, Key::Delete)] {
+        let event = Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+        person.0.event(event);
+    }
+    person.0.run_steps(3);
+    assert!(desk.path("kept.chladni").exists());
+    assert!(person.sees("Magnify all 1"));
+    // Whatever is pressed later counts.
+    person.press(Key::Delete);
+    person.wait_until_gone("Magnify all 1");
 }
 
 #[test]
@@ -273,7 +294,7 @@ fn a_project_is_saved_under_a_name_that_opens_again() {
     for name in ["igea 1.2", "b 1.3", "c 1.4"] {
         desk.answers.add(desk.path(name));
     }
-    person.press_with(CTRL | egui::Modifiers::SHIFT, Key::S);
+    person.press_with(CTRL | Modifiers::SHIFT, Key::S);
     assert_eq!(Project::load(&desk.path("c 1.4.chladni")).unwrap().layers().len(), 3);
     assert_eq!(std::fs::read(desk.path("b 1.3.chladni")).unwrap(), b"another");
     assert_eq!(std::fs::read(desk.path("igea 1.2.chladni")).unwrap(), before);
@@ -421,7 +442,7 @@ fn the_first_mesh_takes_the_place_of_the_sample_that_nobody_chose() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&[]);
     // Ctrl on every system: ⌘ with Tab is a Mac's own.
-    person.press_with(egui::Modifiers::CTRL, Key::Tab);
+    person.press_with(Modifiers::CTRL, Key::Tab);
     person.0.run_steps(2);
     person.drop_files(&[desk.path("shape.obj")]);
     person.wait_to_see("642 vertices");
@@ -429,4 +450,16 @@ fn the_first_mesh_takes_the_place_of_the_sample_that_nobody_chose() {
     person.drop_files(&[desk.path("template.obj")]);
     person.wait_to_see("Layer template");
     assert!(person.sees("642 vertices"));
+}
+
+#[test]
+fn what_is_shown_in_place_of_a_shape_that_does_not_open_is_said() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    std::fs::write(desk.path("broken.obj"), "v 0 0\n").unwrap();
+    desk.answers.add(desk.path("broken.obj"));
+    person.press_with(CTRL, Key::O);
+    person.wait_to_see("is shown as before");
+    assert!(person.sees("broken.obj") && person.sees("“shape”"));
 }

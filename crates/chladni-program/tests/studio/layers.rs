@@ -578,3 +578,17 @@ fn a_region_comes_from_curvature_goes_to_a_file_and_comes_back() {
     person.click("curvature/bumps");
     assert!(inside(&painted(&desk, &mut person)) > inside(&bumps));
 }
+
+#[test]
+fn buttons_of_layers_and_their_verdicts_are_hit_apart() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Compare with a mesh");
+    person.add_layer("magnify");
+    let verdicts = ["folds", "crossings"];
+    person.wait("the verdicts", |window| verdicts.iter().all(|id| driving::is_there(window, id)));
+    let labels = ["Delete the layer", "Duplicate the layer", "Hide this layer", "Only this layer"];
+    let mut places = labels.map(|label| person.0.get_by_label_contains(label).rect()).to_vec();
+    places.extend(verdicts.map(|id| person.place_of(id)));
+    assert!(driving::are_hit_apart(&places), "{places:?}");
+}

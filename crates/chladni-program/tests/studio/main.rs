@@ -19,6 +19,7 @@ mod layers;
 mod lost_device;
 mod menus;
 mod named_parts;
+mod numbers;
 mod painters;
 mod screens;
 mod scripts;

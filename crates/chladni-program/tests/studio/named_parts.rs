@@ -68,6 +68,8 @@ fn parts_of_a_head_are_taken_by_name_added_with_shift_and_taken_away_with_ctrl()
     assert!(overlap(&ears, &["ears"]) > 0.7 && overlap(&ears, &["nose"]) < 0.05);
     person.press_with(CTRL, Key::Z);
     assert_eq!(painted(&desk, &mut person), both, "one click is one step");
+    person.press_with(CTRL, Key::Y);
+    assert_eq!(painted(&desk, &mut person), ears, "Ctrl+Y does it again");
 }
 
 #[test]

@@ -82,3 +82,9 @@ fn escape_closes_the_keys() {
     person.press(Key::Escape);
     person.wait_until_gone("Keyboard and mouse");
 }
+
+#[test]
+fn the_window_has_a_name_for_screen_readers() {
+    let person = Desk::new().sit_down(&[]);
+    assert_eq!(person.0.root().accesskit_node().label().as_deref(), Some("Chladni"));
+}

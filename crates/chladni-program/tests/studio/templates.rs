@@ -41,6 +41,23 @@ fn a_mesh_that_is_dropped_while_the_shape_still_opens_is_its_template() {
 }
 
 #[test]
+fn files_that_are_held_over_the_window_say_what_their_drop_does() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    let mut hold = |names: &[&str]| {
+        let held = |name: &&str| egui::HoveredFile { path: Some(desk.path(name)), ..Default::default() };
+        person.0.input_mut().hovered_files = names.iter().map(held).collect();
+        person.0.run_steps(2);
+        ["Compare with template.obj", "Open template.obj, and compare it with shape.obj"]
+            .map(|text| person.sees(text))
+    };
+    assert_eq!(hold(&["template.obj"]), [true, false]);
+    assert_eq!(hold(&["template.obj", "shape.obj"]), [false, true]);
+    assert_eq!(hold(&[]), [false, false]);
+}
+
+#[test]
 fn ellipsoids_are_given_by_numbers_and_all_is_magnified_against_oneself_scaled_or_smoothed() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::meter::{Meter, Normalizer, Tempo, ring};
+use super::meter::{Meter, NO_ONSET, Normalizer, Tempo, ring};
 use crate::structure::{BarFollower, HeardBar};
 use crate::{ONSET_RATE_HZ, Onset, OnsetDetector, SoundError};
 
@@ -29,6 +29,8 @@ const LATEST_SECS: f64 = 0.06;
 /// The most and the fewest beats that are announced per beat tracked.
 const FASTEST_SPEED: f64 = 4.0;
 const SLOWEST_SPEED: f64 = 0.25;
+/// Where no onset is heard, this many tracked beats are still announced: a break of two bars.
+const LONGEST_BREAK_BEATS: usize = 8;
 /// Beats are looked for this often, however many samples come at once: less often, they would be recognized too late.
 const LOOKS_PER_SEC: usize = 100;
 /// Beats, and bars, that may wait to be taken: those of several seconds at any tempo.
@@ -50,6 +52,8 @@ pub struct BeatFollower {
     frames_heard: u64,
     samples_heard: u64,
     best: Best,
+    /// How many frames have passed without an onset.
+    silent_frames: usize,
     last_beat_secs: f64,
     /// The tracked beat from which those at half the speed are counted: the one tapped or announced last.
     counted_secs: Option<f64>,
@@ -99,6 +103,7 @@ impl BeatFollower {
             frames_heard: 0,
             samples_heard: 0,
             best: Best::default(),
+            silent_frames: 0,
             last_beat_secs: f64::MIN,
             counted_secs: None,
             pending: VecDeque::with_capacity(MOST_WAITING),
@@ -190,6 +195,8 @@ impl BeatFollower {
             self.speed = speed;
         }
         self.counted_secs = Some(secs);
+        // What is tapped in silence is announced.
+        self.silent_frames = 0;
         let frames_ago = (self.frames_heard as f64 - 1.0 - secs * ONSET_RATE_HZ).round();
         let count = self.belief.len() as f32;
         self.belief.fill(DOUBT / count);
@@ -257,7 +264,13 @@ impl BeatFollower {
             self.meter.expect(tempo, start, &mut self.belief, |s, e| *s *= (z * e).exp());
         }
         self.normalize();
-        self.find_best();
+        self.silent_frames = if onset.all < NO_ONSET { self.silent_frames.saturating_add(1) } else { 0 };
+        // In silence slow beats cost less. So a tempo that is known goes on once a whole beat is silent.
+        if (1..self.silent_frames).contains(&self.best.period) {
+            self.best.place = (self.best.place + 1) % self.best.period;
+        } else {
+            self.find_best();
+        }
         self.listen_for_clarity(z);
     }
 
@@ -316,7 +329,8 @@ impl BeatFollower {
     }
 
     fn announce(&mut self) {
-        if self.best.period == 0 || self.best.mass <= 0.0 || self.clarity <= 0.0 {
+        let is_over = self.silent_frames > LONGEST_BREAK_BEATS * self.best.period;
+        if self.best.period == 0 || self.best.mass <= 0.0 || self.clarity <= 0.0 || is_over {
             return;
         }
         let now = self.now_secs();

@@ -155,6 +155,8 @@ struct RunningMoments {
     weight: f64,
 }
 
+/// Onset strength, or a deviation of it, below this is rounding noise: silence has no onsets.
+pub(super) const NO_ONSET: f32 = 1e-4;
 /// Time constant of the running mean.
 const NORMAL_SECS: f64 = 3.7;
 /// Onsets are limited to this many standard deviations.
@@ -177,8 +179,7 @@ impl RunningMoments {
     fn value(&self, onset: f64) -> f32 {
         let mean = self.mean / self.weight;
         let deviation = (self.square / self.weight - mean * mean).max(0.0).sqrt();
-        // A smaller deviation is rounding noise: silence has no onsets.
-        if deviation < 1e-4 { 0.0 } else { ((onset - mean) / deviation).min(MOST) as f32 }
+        if deviation < f64::from(NO_ONSET) { 0.0 } else { ((onset - mean) / deviation).min(MOST) as f32 }
     }
 
     fn both_ways(onsets: &[f32]) -> Vec<f32> {

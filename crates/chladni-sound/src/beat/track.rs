@@ -17,7 +17,8 @@ pub struct Beats {
     pub tempo_bpm: f64,
     /// Times of the beats, ascending.
     pub beats_secs: Vec<f64>,
-    /// How much of the onset strength lies on the beats, from 0 (none) to 1 (all).
+    /// How much of the onset strength lies on the beats, from 0 (none) to 1 (all); while listening, the mean confidence at
+    /// the beats.
     pub confidence: f64,
     /// Half and twice the tempo, which other listeners may tap.
     pub other_octaves_bpm: [f64; 2],
@@ -88,12 +89,16 @@ pub fn track_beats_causally(song: &Song, task: &Task) -> Result<Beats, SoundErro
     let mut follower = BeatFollower::new(song.rate_hz)?;
     let block = (song.rate_hz / 100) as usize;
     let (mut beats_secs, mut bars) = (Vec::new(), Vec::new());
+    let mut confidences = 0.0;
     song.in_blocks(block, "following the beat", task, |left, right| {
         follower.push(left, right);
-        beats_secs.extend(follower.take_beat());
+        if let Some(beat_secs) = follower.take_beat() {
+            beats_secs.push(beat_secs);
+            confidences += follower.moment().confidence;
+        }
         bars.extend(follower.take_bar());
     })?;
-    let confidence = follower.moment().confidence;
+    let confidence = confidences / beats_secs.len().max(1) as f64;
     Ok(Beats::new(beats_secs, confidence).with_heard(&bars, song.duration_secs()))
 }
 

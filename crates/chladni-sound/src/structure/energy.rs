@@ -13,8 +13,10 @@ const RANGE_DB: f32 = 24.0;
 const LOUDNESS: f32 = 0.65;
 /// The quantile of the song's values that counts as full energy.
 const LOUD: f64 = 0.95;
-/// Mean square below which the sound counts as silence (−70 dB).
-const SILENCE: f32 = 1e-7;
+/// Below the loud parts by this many decibels, the sound counts as silence.
+const SILENT_DB: f32 = 50.0;
+/// Mean square below which the sound counts as silence, however soft the loud parts are (−100 dB).
+const SILENCE: f32 = 1e-10;
 
 /// The energy curve of a whole song, each value in [0, 1].
 pub(super) fn energy(frames: &[Frame], onsets: &[Onset]) -> Vec<f32> {
@@ -31,10 +33,10 @@ pub(super) fn energy(frames: &[Frame], onsets: &[Onset]) -> Vec<f32> {
 
 /// The energy of a moment, relative to what counts as loud and as busy.
 pub(super) fn mix(power: f32, loud: f32, activity: f32, busy: f32) -> f32 {
-    if power < SILENCE {
+    let below_db = 10.0 * (loud / power).max(1e-6).log10();
+    if power < SILENCE || below_db > SILENT_DB {
         return 0.0;
     }
-    let below_db = 10.0 * (loud / power).max(1e-6).log10();
     let loudness = (1.0 - below_db / RANGE_DB).clamp(0.0, 1.0);
     let activity = if busy > 0.0 { (activity / busy).clamp(0.0, 1.0) } else { 0.0 };
     LOUDNESS * loudness + (1.0 - LOUDNESS) * activity
@@ -74,13 +76,16 @@ mod tests {
     #[test]
     fn a_quiet_part_has_less_and_silence_has_none() {
         let part = |power: f32, secs: usize| vec![Frame { power, ..Frame::default() }; 20 * secs];
-        let frames = [part(0.1, 20), part(0.001, 20), part(0.0, 20)].concat();
+        let powers = [0.1, 0.001, 0.0];
+        let [frames, soft] =
+            [1.0, 1e-4].map(|gain: f32| powers.map(|power: f32| part(gain * power, 20)).concat());
         let beat = |i: usize, strength: f32| Onset {
             all: if i.is_multiple_of(50) { strength } else { 0.0 },
             bass: 0.0,
         };
         let onsets: Vec<Onset> = (0..6000).map(|i| beat(i, [1.0, 0.3, 0.0][(i / 2000).min(2)])).collect();
-        let energy = energy(&frames, &onsets);
+        let (energy, of_soft) = (energy(&frames, &onsets), energy(&soft, &onsets));
+        assert!(energy.iter().zip(&of_soft).all(|(a, b)| (a - b).abs() < 1e-3), "{energy:?} {of_soft:?}");
         assert_eq!(energy.len(), 120);
         assert!(energy.iter().all(|e| (0.0..=1.0).contains(e)));
         let [loud, quiet, none] =

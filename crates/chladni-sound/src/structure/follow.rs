@@ -30,6 +30,8 @@ const SHORTEST: usize = 8;
 const NOVEL: f32 = 0.12;
 /// The running maxima of loudness and activity decay to 1/e in this many beats.
 const MEMORY_BEATS: f32 = 200.0;
+/// Where nothing louder than this mean square was heard (−70 dB), there is only the noise of a room.
+const NOISE: f32 = 1e-7;
 
 /// Groups the beats that a [`BeatFollower`](crate::BeatFollower) announces into bars.
 pub(crate) struct BarFollower {
@@ -114,7 +116,8 @@ impl BarFollower {
         let keep = (-1.0 / MEMORY_BEATS).exp();
         self.loud = (self.loud * keep).max(beat.power);
         self.busy = (self.busy * keep).max(activity);
-        let now = energy::mix(beat.power, self.loud, activity, self.busy);
+        let is_music = self.loud > NOISE;
+        let now = if is_music { energy::mix(beat.power, self.loud, activity, self.busy) } else { 0.0 };
         self.energy += 0.25 * (now - self.energy);
     }
 
@@ -171,6 +174,27 @@ mod tests {
             }
             assert!(bars.gone[1] > 2000, "what is old goes");
         }
+    }
+
+    /// The energy after twenty strokes, one a second, of which the last ten are 20 dB softer.
+    fn energy_of_strokes(loudest: f32) -> f32 {
+        let mut bars = BarFollower::new(16_000).unwrap();
+        let tone = |n: u16| if n < 160 { (0.4 * f32::from(n)).sin() } else { 0.0 };
+        let onset = |n: u16| Onset { all: if n == 0 { 1.0 } else { 0.0 }, bass: 0.0 };
+        let onsets: Vec<Onset> = (0..100).map(onset).collect();
+        for second in 0..20 {
+            let gain = if second < 10 { loudest } else { 0.1 * loudest };
+            let beat: Vec<f32> = (0..16_000).map(|n| gain * tone(n)).collect();
+            bars.beat(f64::from(second));
+            bars.push(&beat, &beat, &onsets);
+        }
+        bars.energy
+    }
+
+    #[test]
+    fn soft_parts_of_a_soft_master_have_energy_and_the_noise_of_a_room_has_none() {
+        let [loud, soft, noise] = [0.5, 0.01, 0.001].map(energy_of_strokes);
+        assert!(loud > 0.3 && (loud - soft).abs() < 0.01 && noise == 0.0, "{loud} {soft} {noise}");
     }
 
     #[test]

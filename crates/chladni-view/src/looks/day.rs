@@ -6,11 +6,11 @@ impl Look {
     /// White porcelain by a window; movement blushes.
     pub const PORCELAIN: Self = Self {
         material: Material { roughness: 0.18, softness: 0.4, ..Material::BARE },
-        answer: answer_from(1.0, Palette::Orchid, 0.0, 0.0, 0.56, 0.0),
+        answer: answer_from(1.0, Palette::Orchid, 0.0, 0.0, 0.7, 0.0),
         own_colors: false,
         lights: Lights {
             lights: [
-                lamp(LEFT, [1.0, 0.95, 0.86]),
+                lamp(LEFT, [1.08, 1.03, 0.93]),
                 lamp(RIGHT, [0.14, 0.2, 0.32]),
                 lamp(BEHIND, [0.4, 0.45, 0.55]),
             ],
@@ -25,23 +25,23 @@ impl Look {
             ..Background::between([240, 230, 220], [196, 180, 172])
         },
         finish: Finish { vignette: 0.12, ..Finish::NOTHING },
-        response: Response { timbre: 0.0, light: 0.12, halo: 0.15, rim: 0.5, ..Self::PLAIN.response },
+        response: Response { timbre: 0.0, light: 0.35, halo: 0.3, rim: 0.8, ..Self::PLAIN.response },
     };
 
     /// Sugar in all pale colors, in daylight.
     pub const CANDY: Self = Self {
         material: Material { roughness: 0.26, softness: 0.6, glow: 0.08, ..Material::BARE },
-        answer: answer(Palette::Candy, 1.6, 0.0, 0.6, 0.1),
+        answer: answer(Palette::Candy, 1.6, 0.0, 0.9, 0.1),
         own_colors: false,
         lights: Lights {
             lights: [
-                lamp(LEFT, [0.85, 0.8, 0.74]),
+                lamp(LEFT, [1.02, 0.96, 0.89]),
                 lamp(RIGHT, [0.3, 0.24, 0.4]),
                 lamp(BEHIND, [0.5, 0.5, 0.6]),
             ],
-            sky: [0.36, 0.38, 0.46],
+            sky: [0.25, 0.27, 0.32],
             ground: [0.3, 0.2, 0.24],
-            shadow: 0.6,
+            shadow: 0.75,
             strips: 0.4,
             ..Lights::BARE
         },
@@ -52,11 +52,11 @@ impl Look {
         },
         finish: Finish { vignette: 0.1, ..Finish::NOTHING },
         response: Response {
-            flow: 0.1,
-            timbre: 0.15,
+            flow: 0.2,
+            timbre: 0.3,
             key: 1.0,
-            light: 0.12,
-            halo: 0.15,
+            light: 0.35,
+            halo: 0.4,
             ..Self::PLAIN.response
         },
     };
@@ -70,13 +70,13 @@ impl Look {
             edge: [120, 150, 40],
             ..Material::BARE
         },
-        answer: answer_from(0.35, Palette::Moss, 0.35, 0.0, 0.5, 0.0),
+        answer: answer_from(0.35, Palette::Moss, 0.35, 0.0, 0.7, 0.0),
         own_colors: false,
         lights: Lights {
             lights: [
-                lamp([-0.7, 0.55, 0.5], [0.9, 0.8, 0.52]),
+                lamp([-0.7, 0.55, 0.5], [0.99, 0.88, 0.57]),
                 lamp(RIGHT, [0.1, 0.2, 0.2]),
-                lamp(BEHIND, [0.95, 0.9, 0.45]),
+                lamp(BEHIND, [1.04, 0.99, 0.5]),
             ],
             sky: [0.2, 0.27, 0.26],
             ground: [0.1, 0.11, 0.04],
@@ -93,8 +93,9 @@ impl Look {
             flow: 0.0,
             timbre: 0.2,
             glow: 0.02,
-            light: 0.15,
-            halo: 0.15,
+            light: 0.4,
+            halo: 0.28,
+            rim: 0.9,
             ..Self::AURORA.response
         },
     };
@@ -102,7 +103,7 @@ impl Look {
     /// Two inks on paper.
     pub const PRINT: Self = Self {
         material: Material { roughness: 1.0, softness: 0.0, glow: 0.25, ..Material::BARE },
-        answer: answer_from(0.3, Palette::Dusk, 0.35, 0.3, 0.0, 0.0),
+        answer: answer_from(0.3, Palette::Dusk, 0.35, 0.4, 0.0, 0.0),
         own_colors: false,
         lights: Lights {
             lights: [lamp(LEFT, [0.9; 3]), lamp(RIGHT, [0.05; 3]), lamp(BEHIND, [0.2; 3])],
@@ -113,6 +114,6 @@ impl Look {
         },
         background: Background::between([244, 238, 222], [236, 228, 208]),
         finish: Finish { grain: 0.05, ..Finish::NOTHING },
-        response: Response { timbre: 0.1, ..Self::PLAIN.response },
+        response: Response { timbre: 0.15, light: 0.3, ..Self::PLAIN.response },
     };
 }

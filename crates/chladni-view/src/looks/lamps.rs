@@ -65,18 +65,14 @@ impl Look {
 
     /// Red velvet before a theatre's lamps.
     pub const VELVET: Self = Self {
-        material: Material {
-            color: [150, 10, 34],
-            roughness: 0.9,
-            softness: 0.3,
-            edge: [255, 92, 84],
-            ..Material::BARE
-        },
+        material: Material { roughness: 0.9, softness: 0.3, edge: [255, 92, 84], ..Material::BARE },
+        answer: answer_from(0.35, Palette::Ember, 0.0, 0.0, 0.18, 0.0),
+        own_colors: false,
         lights: Lights {
             lights: [
-                lamp(ABOVE, [1.8, 1.35, 1.05]),
-                lamp(RIGHT, [0.25, 0.06, 0.25]),
-                lamp(BEHIND, [1.8, 0.9, 0.7]),
+                lamp(ABOVE, [2.7, 2.0, 1.6]),
+                lamp(RIGHT, [0.38, 0.09, 0.38]),
+                lamp(BEHIND, [2.5, 1.25, 1.0]),
             ],
             sky: [0.1, 0.05, 0.06],
             ground: [0.05, 0.01, 0.02],
@@ -89,8 +85,7 @@ impl Look {
             ..Background::between([58, 12, 30], [10, 3, 8])
         },
         finish: Finish { bloom: 0.4, bloom_from: 0.6, vignette: 0.45, ..Finish::NOTHING },
-        response: Response { light: 0.6, halo: 0.6, rim: 1.2, ..Self::PLAIN.response },
-        ..Self::PLAIN
+        response: Response { timbre: 0.08, light: 0.6, halo: 0.7, rim: 1.2, ..Self::PLAIN.response },
     };
 
     /// Old film: one hard light, deep shadow, grain.

@@ -12,7 +12,7 @@ impl Look {
             edge: [70, 110, 80],
             ..Material::BARE
         },
-        answer: answer_from(0.12, Palette::Moss, 0.2, 0.0, 0.5, 0.03),
+        answer: answer_from(0.12, Palette::Moss, 0.2, 0.0, 0.7, 0.03),
         own_colors: false,
         lights: Lights {
             lights: [
@@ -30,6 +30,6 @@ impl Look {
         },
         background: halo([150, 178, 120], [34, 62, 50]),
         finish: Finish { blur: 0.6, bloom: 0.4, bloom_from: 0.76, vignette: 0.4, ..Finish::NOTHING },
-        response: Response { glow: 0.03, light: 0.4, halo: 0.4, ..Self::AURORA.response },
+        response: Response { glow: 0.03, light: 0.55, halo: 0.5, ..Self::AURORA.response },
     };
 }

@@ -51,15 +51,15 @@ impl Look {
             edge: [120, 24, 6],
             ..Material::BARE
         },
-        answer: answer(Palette::Ember, 0.1, 0.0, 0.8, 0.6),
+        answer: answer_from(0.15, Palette::Ember, 0.1, 0.0, 0.8, 0.6),
         own_colors: false,
         lights: Lights {
             lights: [
-                lamp(LEFT, [0.5, 0.34, 0.26]),
-                lamp([0.5, -0.8, 0.4], [0.7, 0.2, 0.04]),
-                lamp(BEHIND, [1.3, 0.5, 0.15]),
+                lamp(LEFT, [0.8, 0.54, 0.42]),
+                lamp([0.5, -0.8, 0.4], [1.12, 0.32, 0.06]),
+                lamp(BEHIND, [1.56, 0.6, 0.18]),
             ],
-            sky: [0.04, 0.035, 0.04],
+            sky: [0.06, 0.05, 0.06],
             ground: [0.16, 0.05, 0.015],
             shadow: 0.7,
             curve: Curve::Filmic,
@@ -93,15 +93,15 @@ impl Look {
             edge: [40, 190, 220],
             ..Material::BARE
         },
-        answer: answer(Palette::Abyss, 0.15, 0.0, 0.6, 0.2),
+        answer: answer_from(0.18, Palette::Abyss, 0.15, 0.0, 0.6, 0.2),
         own_colors: false,
         lights: Lights {
             lights: [
-                lamp(ABOVE, [0.22, 0.5, 0.62]),
-                lamp(RIGHT, [0.03, 0.1, 0.28]),
-                lamp(BEHIND, [0.15, 0.6, 0.75]),
+                lamp(ABOVE, [0.3, 0.68, 0.84]),
+                lamp(RIGHT, [0.04, 0.13, 0.38]),
+                lamp(BEHIND, [0.17, 0.68, 0.85]),
             ],
-            sky: [0.05, 0.16, 0.22],
+            sky: [0.07, 0.21, 0.29],
             ground: [0.0, 0.015, 0.05],
             shadow: 0.6,
             curve: Curve::Filmic,
@@ -112,7 +112,7 @@ impl Look {
             ..Background::between([1, 5, 20], [6, 62, 92])
         },
         finish: Finish { bloom: 1.0, bloom_from: 0.75, vignette: 0.45, ..Finish::NOTHING },
-        response: Response { glow: 0.12, sides: 0.15, ..Self::AURORA.response },
+        response: Response { glow: 0.12, sides: 0.15, light: 0.5, ..Self::AURORA.response },
     };
 
     /// Two signs of light on glossy black, and their trails.

@@ -6,15 +6,15 @@ impl Look {
     /// Black steel from which speed strikes sparks: blows shine before they are seen to move anything.
     pub const SPARK: Self = Self {
         material: Material { roughness: 0.34, metal: 0.35, edge: [20, 50, 110], ..Material::BARE },
-        answer: Some(Answer { travel: 0.15, haste: 1.15, spark: 0.6, ..answer_of(Palette::Abyss, 0.26) }),
+        answer: Some(Answer { travel: 0.15, haste: 1.5, spark: 0.6, ..answer_of(Palette::Abyss, 0.26) }),
         own_colors: false,
         lights: Lights {
             lights: [
-                lamp(LEFT, [0.75, 0.85, 1.0]),
-                lamp(RIGHT, [0.16, 0.2, 0.55]),
-                lamp(BEHIND, [0.9, 0.5, 0.25]),
+                lamp(LEFT, [1.12, 1.28, 1.5]),
+                lamp(RIGHT, [0.26, 0.32, 0.88]),
+                lamp(BEHIND, [1.17, 0.65, 0.33]),
             ],
-            sky: [0.1, 0.13, 0.2],
+            sky: [0.15, 0.2, 0.3],
             ground: [0.08, 0.03, 0.02],
             shadow: 0.6,
             horizon: [0.16, 0.26, 0.42],

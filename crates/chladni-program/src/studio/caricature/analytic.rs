@@ -3,7 +3,7 @@
 
 use chladni_caricature::{GivenEllipsoid, LayerId, Property, Template, wavelengths};
 use chladni_match::Ellipsoid;
-use egui::{DragValue, Ui};
+use egui::Ui;
 
 use super::edits::Edits;
 use super::session::Session;
@@ -130,7 +130,7 @@ fn given(ui: &mut Ui, session: &Session, id: LayerId, known: GivenEllipsoid, edi
         theme::row(ui, name, tip, |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for (value, axis) in values.iter_mut().zip(["x", "y", "z"]) {
-                let field = DragValue::new(value).speed(speed).range(range.clone());
+                let field = theme::number(value).speed(speed).range(range.clone());
                 // What a project holds is not changed by being shown.
                 let field = field.max_decimals(decimals).clamp_existing_to_range(false);
                 let field = ui.add_sized([52.0, ui.spacing().interact_size.y], field);

@@ -2,7 +2,7 @@
 
 use chladni_caricature::{Action, Dab, LayerId, Limbs, PaintEdit};
 use chladni_mesh::MirrorPlane;
-use egui::{RichText, Slider, Ui};
+use egui::{RichText, Ui};
 
 use super::edits::Edits;
 use super::lasso::LassoTool;
@@ -90,16 +90,16 @@ impl BrushTool {
                 "Size",
                 "Radius along the surface as it is seen, as a share of the shape; [ and ] change it",
                 |ui| {
-                    ui.add(Slider::new(&mut self.radius, 0.005..=1.5).logarithmic(true).fixed_decimals(3));
+                    ui.add(theme::slider(&mut self.radius, 0.005..=1.5).logarithmic(true).fixed_decimals(3));
                 },
             );
             let tip = "How much of the size is painted in full, beyond which it fades out: 1 has a hard edge";
             theme::row(ui, "Hardness", tip, |ui| {
-                ui.add(Slider::new(&mut self.hardness, 0.0..=1.0).fixed_decimals(2));
+                ui.add(theme::slider(&mut self.hardness, 0.0..=1.0).fixed_decimals(2));
             });
         });
         theme::row(ui, "Intensity", "How much of the layer acts where you paint", |ui| {
-            ui.add(Slider::new(&mut self.intensity, 0.0..=1.0).fixed_decimals(2));
+            ui.add(theme::slider(&mut self.intensity, 0.0..=1.0).fixed_decimals(2));
         });
         let before = [self.fill, self.limbs.active, self.lasso.active];
         ui.horizontal(|ui| {

@@ -4,7 +4,7 @@ use chladni_caricature::{
     Action, Layer, LayerId, Model, PaintEdit, Painted, Property, RollOff, ScaleCurve, Smoothing,
 };
 use chladni_mesh::MirrorPlane;
-use egui::{DragValue, RichText, Slider, Ui};
+use egui::{RichText, Slider, Ui};
 
 use super::brush::BrushTool;
 use super::crossings;
@@ -197,7 +197,7 @@ fn amount(
         let low = if layer.model == Model::Distance { -8.0 } else { -3.0 };
         let slider = Slider::new(&mut mu, low..=1.0).clamping(egui::SliderClamping::Never);
         let slider = ui.add(slider.show_value(false));
-        let value = ui.add(DragValue::new(&mut mu).range(-100.0..=100.0).speed(0.01).fixed_decimals(2));
+        let value = ui.add(theme::number(&mut mu).range(-100.0..=100.0).speed(0.01).fixed_decimals(2));
         for response in [slider, value] {
             edits.drag(id, &response, || Property::Mu(mu));
         }
@@ -215,36 +215,43 @@ fn amount(
         "How many triangles may fold where μ goes as far as it goes: of a scan one sliver should not end it";
     theme::row(ui, "May fold", tip, |ui| {
         let slider = theme::slider(may_fold_percent, 0.0..=2.0).logarithmic(true).smallest_positive(0.01);
-        ui.add(theme::with_unit(slider, 2, "%"));
+        ui.add(theme::in_units(slider, 1.0, 2, " %"));
     });
     let mut keep = measured.kept.is_some();
     let tip = "Holds all layers back where they would fold the surface or pass it through itself, and lets detail turn \
                with what it sits on. Found whenever the hand rests. Without it, the paper exactly";
-    let kept = ui.checkbox(&mut keep, "Keep triangles").author_id("keep-triangles");
+    let kept = theme::checkbox(ui, &mut keep, "Keep triangles").author_id("keep-triangles");
     if kept.on_hover_text(tip).clicked() {
         edits.once(Action::KeepTriangles(keep));
     }
-    let seen = ui.scope(|ui| {
-        ui.spacing_mut().interact_size.y = 18.0;
-        ui.spacing_mut().button_padding.y = 0.0;
-        ui.spacing_mut().item_spacing.y = 2.0;
-        if measured.waits {
-            // Counts of the shape without the layer would look like its own.
-            theme::weak(ui, "Folds and crossings: after the match");
-            return None;
-        }
-        let where_it_folds = measured.folds.and_then(|count| folds(ui, count));
-        let where_it_crosses = crossings(ui, measured.crossings);
-        let where_it_is_held = measured.kept.and_then(|held| held_back(ui, held));
-        where_it_folds.or(where_it_crosses).or(where_it_is_held)
-    });
-    seen.inner.or(wish)
+    ui.scope(|ui| verdicts(ui, measured)).inner.or(wish)
+}
+
+/// What the layer does to the triangles; a click on a line shows where.
+fn verdicts(ui: &mut Ui, measured: &Measured<'_>) -> Option<Wish> {
+    ui.spacing_mut().interact_size.y = theme::TARGET;
+    ui.spacing_mut().button_padding.y = 0.0;
+    ui.spacing_mut().item_spacing.y = 0.0;
+    if measured.waits {
+        // Counts of the shape without the layer would look like its own.
+        still_to_come(ui, "Folds and crossings: after the match");
+        return None;
+    }
+    let where_it_folds = measured.folds.and_then(|count| folds(ui, count));
+    let where_it_crosses = crossings(ui, measured.crossings);
+    let where_it_is_held = measured.kept.and_then(|held| held_back(ui, held));
+    where_it_folds.or(where_it_crosses).or(where_it_is_held)
+}
+
+/// A line as high as the [`meter`] that takes its place: what is below it stays where it is.
+fn still_to_come(ui: &mut Ui, text: &str) {
+    ui.horizontal(|ui| theme::weak(ui, text));
 }
 
 /// How much of the movement is kept; a click on it shows where it is held back.
 fn held_back(ui: &mut Ui, held: Held) -> Option<Wish> {
     let Held::Back { kept } = held else {
-        theme::weak(ui, "Holding back…");
+        still_to_come(ui, "Holding back…");
         return None;
     };
     let text = format!("{:.0} % of the movement kept", 100.0 * kept.min(1.0));
@@ -269,7 +276,7 @@ fn folds(ui: &mut Ui, folds: usize) -> Option<Wish> {
 /// The same for parts that pass through each other.
 fn crossings(ui: &mut Ui, count: Option<crossings::Count>) -> Option<Wish> {
     let Some(crossings::Count { now, from_the_start, outdated }) = count else {
-        theme::weak(ui, "Counting crossings…");
+        still_to_come(ui, "Counting crossings…");
         return None;
     };
     let text = match now {
@@ -336,7 +343,7 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
     theme::row(ui, "Softness", tip, |ui| {
         let mut percent = 100.0 * smoothing.wavelength;
         let slider = theme::slider(&mut percent, 4.0..=320.0).logarithmic(true);
-        let slider = ui.add(theme::with_unit(slider, 0, "%"));
+        let slider = ui.add(theme::in_units(slider, 1.0, 0, " %"));
         let wavelength = percent / 100.0;
         edits.drag(id, &slider, || Property::Smoothing(Smoothing { wavelength, ..smoothing }));
     });
@@ -360,4 +367,35 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
             edits.set(id, Property::Smoothing(Smoothing { clamp, ..smoothing }));
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verdicts_are_as_high_before_they_are_known() {
+        let (ctx, spectrum) = (egui::Context::default(), Spectrum::default());
+        theme::install(&ctx);
+        let height = |crossings: Option<crossings::Count>, kept: Option<Held>, waits: bool| {
+            let folds = (!waits).then_some(0);
+            let (spectrum, channels) = (&spectrum, &[]);
+            let measured = Measured { spectrum, mirror: None, folds, waits, crossings, kept, channels };
+            let mut height = 0.0;
+            let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+                height = ui.scope(|ui| verdicts(ui, &measured)).response.rect.height();
+            });
+            height
+        };
+        let count = crossings::Count { now: 3, from_the_start: 0, outdated: false };
+        let lines = |count: u8| f32::from(count) * theme::TARGET;
+        for (found, expected) in [
+            (height(None, None, true), lines(1)),
+            (height(None, Some(Held::Unknown), false), lines(3)),
+            (height(Some(count), Some(Held::Unknown), false), lines(3)),
+            (height(Some(count), Some(Held::Back { kept: 0.5 }), false), lines(3)),
+        ] {
+            assert!((found - expected).abs() < 0.1, "{found} of {expected}");
+        }
+    }
 }

@@ -2,8 +2,6 @@
 
 use chladni_caricature::{Action, LayerId, Property};
 
-use crate::studio::theme;
-
 /// One request to the engine.
 #[derive(Clone, Debug)]
 pub enum Edit {
@@ -39,7 +37,7 @@ impl Edits {
 
     /// A property that follows a slider: live while `response` drags, one step in the history, as a click is, too.
     pub fn drag(&mut self, layer: LayerId, response: &egui::Response, to: impl FnOnce() -> Property) {
-        if theme::is_edited(response) {
+        if response.changed() {
             self.0.push(Edit::Live(Action::Set { layer, to: to() }));
         }
         let clicked = response.clicked() || response.secondary_clicked();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::{LayerState, Template};
 use chladni_mesh::Format;
 use chladni_view::{Background, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there};
-use egui::{DragValue, RichText, Ui};
+use egui::{RichText, Ui};
 
 use super::CaricatureRoom;
 use super::center::update_stage;
@@ -86,7 +86,8 @@ impl What {
         match self {
             Self::Mesh(Format::Glb) => {
                 "The original with one slider (morph target) per layer, named like it. Opens in Blender; all \
-                 sliders at 1 are the caricature. Rigs, sliders and animations of a GLB stay in it."
+                 sliders at 1 are the caricature. Rigs, sliders and animations of a GLB stay in it. It keeps the \
+                 file's axes; viewers take y for up."
             }
             Self::Mesh(Format::Obj) => {
                 "The caricature, in the file's own vertex order, with UVs and materials."
@@ -329,9 +330,9 @@ impl Export {
         ui.horizontal(|ui| {
             let [width, height] = &mut self.size;
             let tip = "Pixels: width × height";
-            ui.add(DragValue::new(width).range(16..=16_384)).accessible_name("Width").on_hover_text(tip);
+            ui.add(theme::number(width).range(16..=16_384)).accessible_name("Width").on_hover_text(tip);
             ui.label("×");
-            ui.add(DragValue::new(height).range(16..=16_384)).accessible_name("Height").on_hover_text(tip);
+            ui.add(theme::number(height).range(16..=16_384)).accessible_name("Height").on_hover_text(tip);
             let usual = ui.menu_button("Usual sizes", |ui| {
                 let sizes = [
                     ("HD", [1920, 1080]),
@@ -392,11 +393,11 @@ impl Export {
     fn length_choice(&mut self, ui: &mut Ui, weak: egui::Color32) {
         ui.label(RichText::new("Length").color(weak));
         ui.horizontal(|ui| {
-            let length = DragValue::new(&mut self.secs).range(0.5..=120.0).speed(0.1).suffix(" s");
+            let length = theme::number_in(&mut self.secs, " s").range(0.5..=120.0).speed(0.1);
             ui.add(length).accessible_name("Length").author_id("length");
             ui.label("at");
             let mut fps = self.fps();
-            let field = DragValue::new(&mut fps).range(1..=self.most_fps()).suffix(" frames/s");
+            let field = theme::number_in(&mut fps, " frames/s").range(1..=self.most_fps());
             if ui.add(field).accessible_name("Frames a second").author_id("fps").changed() {
                 self.fps = fps;
             }

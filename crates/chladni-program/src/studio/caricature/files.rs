@@ -32,6 +32,16 @@ use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::{MESHES, PROJECT, is_project, opened_together};
 use crate::work::{Error, file_hash, layer_against, shown_name};
 
+/// The use of files that come together.
+pub(super) struct Arranged {
+    /// The project or mesh that takes the place of what is open.
+    pub opened: Option<PathBuf>,
+    /// Meshes that become layers.
+    pub templates: Vec<PathBuf>,
+    /// How many projects there are, of which one is opened.
+    projects: usize,
+}
+
 impl CaricatureRoom {
     /// Asks for meshes or a project and opens them.
     pub(super) fn choose_file(&mut self, shared: &mut Shared<'_>) {
@@ -42,23 +52,28 @@ impl CaricatureRoom {
     /// Opens the project among `paths`, or else the first mesh as the shape, where it is to be opened `anew`; the other
     /// meshes become layers.
     pub(super) fn open_together(&mut self, paths: &[PathBuf], anew: bool, shared: &mut Shared<'_>) {
-        let paths = self.shapes_among(paths, shared);
+        let shapes = self.shapes_among(paths, shared);
+        let Arranged { opened, templates, projects } = self.arranged(shapes, anew);
+        let Some(path) = opened else { return self.take_templates(templates, shared) };
+        if projects > 1 {
+            let name = path.display();
+            shared.notices.warn(format!("One project is open at a time: of these, {name} is opened."));
+        }
+        self.load(&path, templates, shared);
+    }
+
+    /// Which of `shapes`, meshes and projects, is opened, and which become layers.
+    pub(super) fn arranged(&self, shapes: Vec<PathBuf>, anew: bool) -> Arranged {
         // A single mesh is compared with the shape that is open, or will be.
         let is_open = self.session.is_some() || self.loading.is_some() || self.candidate.is_some();
         let has_shape = is_open && !self.is_untouched_sample();
-        let new_shape = anew || !has_shape || paths.len() > 1;
-        let (projects, mut meshes): (Vec<PathBuf>, Vec<PathBuf>) =
-            paths.into_iter().partition(|path| is_project(path));
-        if let [first, _, ..] = &projects[..] {
-            let name = first.display();
-            shared.notices.warn(format!("One project is open at a time: of these, {name} is opened."));
-        }
-        let first_mesh =
-            |meshes: &mut Vec<PathBuf>| (new_shape && !meshes.is_empty()).then(|| meshes.remove(0));
-        match projects.into_iter().next().or_else(|| first_mesh(&mut meshes)) {
-            Some(path) => self.load(&path, meshes, shared),
-            None => self.take_templates(meshes, shared),
-        }
+        let new_shape = anew || !has_shape || shapes.len() > 1;
+        let (projects, mut templates): (Vec<PathBuf>, Vec<PathBuf>) =
+            shapes.into_iter().partition(|path| is_project(path));
+        let count = projects.len();
+        let first_mesh = || (new_shape && !templates.is_empty()).then(|| templates.remove(0));
+        let opened = projects.into_iter().next().or_else(first_mesh);
+        Arranged { opened, templates, projects: count }
     }
 
     /// Whether the shape is the sample that stands here in the beginning, as it was.
@@ -113,6 +128,16 @@ impl CaricatureRoom {
     pub(super) fn refuse(&mut self, why: Error, shared: &mut Shared<'_>) {
         self.refused = true;
         shared.notices.failed(why);
+    }
+
+    /// Reports why what was opening is not shown, and what is in its place: something else may have begun to open before it.
+    pub(super) fn fall_back(&mut self, why: Error, shared: &mut Shared<'_>) {
+        let before = self.session.as_ref().filter(|_| !why.is_cancelled());
+        let why = match before.map(Session::name) {
+            Some(name) => Error::Input(format!("{why}; “{name}” is shown as before")),
+            None => why,
+        };
+        self.refuse(why, shared);
     }
 
     /// Asks for another shape and carries the layers over to it, as a new project with a history of its own.

@@ -17,8 +17,8 @@ use crate::studio::theme;
 
 /// Numbers of harmonics on offer.
 const CHOICES: [usize; 5] = [64, 128, 256, 512, 1024];
-/// In place of the shape's size while what is shown is long behind the document.
-const BEHIND: &str = "Following the last change…";
+/// In place of the shape's size, and no longer than that, while what is shown is long behind the document.
+const BEHIND: &str = "Following…";
 const PAPER_MODE: &str = "The paper's plain cotangent Laplacian, which not every shape can have; new layers begin \
                           with the paper's settings";
 

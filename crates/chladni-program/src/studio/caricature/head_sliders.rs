@@ -18,7 +18,7 @@ pub fn show(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits, shared: 
             let (name, about) = SLIDERS[place];
             theme::row(ui, &theme::capitalized(&name.replace('-', " ")), about, |ui| {
                 let slider = ui.add(theme::slider(&mut values[place], -1.0..=1.0).fixed_decimals(2));
-                if theme::is_edited(&slider) && !layer.matching.landmarks.is_empty() {
+                if slider.changed() && !layer.matching.landmarks.is_empty() {
                     shared.notices.warn(landmarks::GONE);
                 }
                 let head = || Property::Template(Template::Sample(portrait_name(&values)));

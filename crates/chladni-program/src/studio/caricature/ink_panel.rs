@@ -1,7 +1,7 @@
 //! How the stage is drawn in ink: a line of controls above it, while it is.
 
 use chladni_view::ink::Ink;
-use egui::{Slider, Ui};
+use egui::Ui;
 
 use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
@@ -20,10 +20,10 @@ pub fn show(ui: &mut Ui, pen: &mut Pen) {
             ui.spacing_mut().slider_width = 56.0;
             let ink = &mut pen.ink;
             named(ui, "Detail", DETAIL, |ui| {
-                ui.add(Slider::new(&mut ink.detail, 0.0..=2.0).fixed_decimals(2))
+                ui.add(theme::slider(&mut ink.detail, 0.0..=2.0).fixed_decimals(2))
             });
             named(ui, "Hatching", HATCHING, |ui| {
-                ui.add(Slider::new(&mut ink.hatching, 0.0..=1.0).fixed_decimals(2))
+                ui.add(theme::slider(&mut ink.hatching, 0.0..=1.0).fixed_decimals(2))
             });
             ui.label("Tones").on_hover_text(TONES);
             for (tones, name) in [(0, "None"), (2, "2"), (3, "3"), (Ink::MOST_TONES, "4")] {
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, pen: &mut Pen) {
                 }
             }
             named(ui, "Smoothing", SMOOTHING, |ui| {
-                let slider = Slider::new(&mut pen.smoothing, 0.0..=Pen::MOST_SMOOTHING).fixed_decimals(3);
+                let slider = theme::slider(&mut pen.smoothing, 0.0..=Pen::MOST_SMOOTHING).fixed_decimals(3);
                 ui.add(slider)
             });
             for (name, id, spoken, color) in [

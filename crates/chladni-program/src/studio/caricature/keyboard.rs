@@ -10,8 +10,8 @@ use super::session::Session;
 use super::{CaricatureRoom, as_far_as_it_goes, toggle_picking};
 use crate::studio::keys::caricature::{
     ABOVE, ADD_MESH, BELOW, BRUSH, DELETE, DUPLICATE, ERASE, EXPORT, FIT, FURTHEST, GALLERY, HIDE, INK,
-    INVERT, LANDMARKS, LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, RENAME, SAVE, SAVE_AS,
-    SMALLER, SOLO, STRONGER, UNDO, WEAKER, WIRE,
+    INVERT, LANDMARKS, LARGER, LEAVE, LOWER, NEXT_MODEL, NEXT_SHOW, OPEN, RAISE, REDO, REDO_BY_Y, RENAME,
+    SAVE, SAVE_AS, SMALLER, SOLO, STRONGER, UNDO, WEAKER, WIRE,
 };
 use crate::studio::room::Shared;
 
@@ -34,7 +34,7 @@ impl CaricatureRoom {
             self.gallery.open();
             return;
         }
-        if REDO.pressed(&ctx) {
+        if REDO.pressed(&ctx) || REDO_BY_Y.pressed(&ctx) {
             self.travel(false);
         } else if UNDO.pressed(&ctx) {
             self.travel(true);

@@ -1,8 +1,8 @@
 //! The stack of layers: names, eyes, solo, order. The topmost layer is the topmost row.
 
 use chladni_caricature::{Action, Layer, LayerId, MatchRequest, Project, Property};
-use egui::text::{CCursor, CCursorRange};
-use egui::{RichText, Ui};
+use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
+use egui::{RichText, TextStyle, Ui};
 
 use super::edits::Edits;
 use super::session::Session;
@@ -104,7 +104,8 @@ impl LayerList {
             egui::WidgetInfo::selected(egui::Role::Button, true, chosen, format!("Layer {}", layer.name))
         });
         let response = response.author_id(format!("layer/{}", id.0));
-        ui.painter().rect_filled(rect, 6.0, fill);
+        let line = if chosen { theme::chosen_line(ui.visuals()) } else { egui::Stroke::NONE };
+        ui.painter().rect(rect, 6.0, fill, line, egui::StrokeKind::Inside);
         let inside = egui::UiBuilder::new()
             .max_rect(rect.shrink2(egui::vec2(8.0, 5.0)))
             .accessibility_role(egui::Role::Group)
@@ -131,8 +132,7 @@ impl LayerList {
                     let solo = tinted_button(ui, Icon::Headphones, &tip, color);
                     if layer.solo {
                         // The accent is not seen on a chosen row.
-                        let plate = solo.rect.expand(3.0);
-                        ui.painter().set(under, epaint::RectShape::filled(plate, 5.0, palette.stage));
+                        ui.painter().set(under, epaint::RectShape::filled(solo.rect, 5.0, palette.stage));
                     }
                     if solo.clicked() {
                         edits.set(id, Property::Solo(!layer.solo));
@@ -143,11 +143,7 @@ impl LayerList {
                         let text = RichText::new(&layer.name);
                         let text = if acts { text } else { text.color(weak) };
                         self.name(ui, id, text, edits);
-                        let (summary, color) = match failure {
-                            Some(why) => (icon::label(Icon::TriangleAlert, why), palette.error),
-                            None => (format!("μ {:.2}  {}", layer.effective_mu(), layer.model), weak),
-                        };
-                        let summary = RichText::new(summary).small().color(color);
+                        let summary = summary(ui, layer, failure, chosen);
                         ui.add(egui::Label::new(summary).truncate().selectable(false));
                     });
                 });
@@ -296,6 +292,27 @@ pub fn icon_button(ui: &mut Ui, mark: Icon, tip: &str) -> egui::Response {
     tinted_button(ui, mark, tip, color)
 }
 
+/// The line below a layer's name: how it acts, or why it does not. On a chosen row only the sign is red, since so small a
+/// text would hardly be read there.
+fn summary(ui: &Ui, layer: &Layer, failure: Option<&str>, chosen: bool) -> LayoutJob {
+    let palette = theme::palette(ui);
+    let font = TextStyle::Small.resolve(ui.style());
+    let unless_chosen = |color| if chosen { ui.visuals().text_color() } else { color };
+    let mut line = LayoutJob::default();
+    let mut append = |text: &str, color| line.append(text, 0.0, TextFormat::simple(font.clone(), color));
+    match failure {
+        Some(why) => {
+            append(&icon::label(Icon::TriangleAlert, ""), palette.error);
+            append(why, unless_chosen(palette.error));
+        }
+        None => {
+            let text = format!("μ {:.2}  {}", layer.effective_mu(), layer.model);
+            append(&text, unless_chosen(palette.weak));
+        }
+    }
+    line
+}
+
 /// The picture of a layer, or a place for one.
 fn thumbnail(ui: &mut Ui, picture: Option<egui::TextureId>, acts: bool) {
     let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(THUMBNAIL), egui::Sense::hover());
@@ -307,7 +324,30 @@ fn thumbnail(ui: &mut Ui, picture: Option<egui::TextureId>, acts: bool) {
 }
 
 fn tinted_button(ui: &mut Ui, mark: Icon, tip: &str, color: egui::Color32) -> egui::Response {
-    let response = ui.add(egui::Button::new(RichText::new(icon::text(mark)).color(color)).frame(false));
+    let button = egui::Button::new(RichText::new(icon::text(mark)).color(color)).frame(false);
+    let response = ui.add(button.min_size(egui::Vec2::splat(theme::TARGET)));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, tip));
     response.on_hover_text(tip)
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_caricature::Template;
+
+    use super::*;
+
+    #[test]
+    fn why_a_chosen_layer_does_not_act_is_written_in_the_color_of_text_behind_a_red_sign() {
+        let ctx = egui::Context::default();
+        theme::install(&ctx);
+        let layer = Layer::new("Head", Template::Ellipsoid);
+        let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+            let colors = |chosen| {
+                let line = summary(ui, &layer, Some("Has no template"), chosen);
+                line.sections.iter().map(|section| section.format.color).collect::<Vec<_>>()
+            };
+            let (error, text) = (theme::palette(ui).error, ui.visuals().text_color());
+            assert_eq!((colors(true), colors(false)), (vec![error, text], vec![error]));
+        });
+    }
 }

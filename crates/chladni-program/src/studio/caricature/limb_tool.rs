@@ -5,7 +5,7 @@ use std::sync::Arc;
 use chladni_caricature::{Limbs, PaintEdit};
 use chladni_harmonics::Body;
 use chladni_mesh::{MirrorPlane, TriMesh};
-use egui::{Modifiers, Slider, Ui};
+use egui::{Modifiers, Ui};
 
 use super::stage::Press;
 use crate::studio::author_id::AuthorId;
@@ -45,7 +45,7 @@ impl LimbTool {
         if self.active {
             let tip = "From whole limbs (0) to small features (1)";
             theme::row(ui, "Level", tip, |ui| {
-                ui.add(Slider::new(&mut self.level, 0.0..=1.0).fixed_decimals(2));
+                ui.add(theme::slider(&mut self.level, 0.0..=1.0).fixed_decimals(2));
             });
             let state = if self.searching { "Finding parts…" } else { "Click a part of the shape" };
             theme::weak(ui, state);

@@ -68,9 +68,10 @@ impl MaskMenu {
         // The slider is set before one of the entries is clicked.
         let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
         let (curved, _) = MenuButton::new("By curvature").config(stays).ui(ui, |ui| {
-            let share = egui::Slider::new(&mut self.share_percent, 1.0..=60.0).suffix(" % of it");
+            let share = theme::slider(&mut self.share_percent, 1.0..=60.0).fixed_decimals(0);
+            let share = theme::in_units(share, 1.0, 0, " % of it");
             let tip = "How much of the surface is taken";
-            ui.add(share.fixed_decimals(0)).accessible_name("Share of the surface").on_hover_text(tip);
+            ui.add(share).accessible_name("Share of the surface").on_hover_text(tip);
             for (name, tip, bend) in [
                 ("bumps", "Where the surface bends outward most, as at a nose", Bend::Bumps),
                 ("hollows", "Where it bends inward most, as in the corner of an eye", Bend::Hollows),

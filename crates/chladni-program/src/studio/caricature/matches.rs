@@ -33,7 +33,10 @@ pub fn show(
         theme::section(ui, "Template", |ui| first(ui, session.project(), edits, shared));
         return false;
     };
-    theme::section(ui, "Template", |ui| template(ui, session, id, &layer, picking, edits, shared))
+    theme::section(ui, "Template", |ui| {
+        // As of the controls: what is typed stays with its layer.
+        ui.push_id(id.0, |ui| template(ui, session, id, &layer, picking, edits, shared)).inner
+    })
 }
 
 /// If no layer is selected, a template from the shelf becomes a new layer.

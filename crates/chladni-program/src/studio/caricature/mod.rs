@@ -56,6 +56,7 @@ use self::controls::{Controls, Measured, Wish};
 use self::edits::{Edit, Edits};
 use self::evaluating::Sight;
 use self::export::Export;
+use self::files::Arranged;
 use self::gallery::ShapesGallery;
 use self::health::Health;
 use self::heat::Heat;
@@ -69,13 +70,14 @@ use self::recover::Offer;
 use self::session::Session;
 use self::stage::Stage;
 use self::thumbnails::Thumbnails;
+use super::dropping::named;
 use super::icon::Icon;
 use super::job::Job;
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
 use super::{keys, theme};
-use crate::work::formats::{MESHES, PROJECT};
-use crate::work::{Error, Quantity};
+use crate::work::formats::{MESHES, PROJECT, opened_together};
+use crate::work::{Error, Quantity, shown_name};
 
 /// The room: at most one open project.
 #[derive(Default)]
@@ -167,6 +169,17 @@ impl Room for CaricatureRoom {
 
     fn open_anew(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
         self.open_together(paths, true, shared);
+    }
+
+    fn drop_does(&self, paths: &[PathBuf], anew: bool) -> Option<String> {
+        let Arranged { opened, templates, .. } = self.arranged(opened_together(paths).0, anew);
+        match (opened, named(&templates)) {
+            (Some(path), None) => Some(format!("Open {}", shown_name(&path))),
+            (Some(path), Some(with)) => {
+                Some(format!("Open {}, and compare it with {with}", shown_name(&path)))
+            }
+            (None, with) => Some(format!("Compare with {}", with?)),
+        }
     }
 
     fn extensions(&self) -> Vec<&'static str> {
@@ -288,7 +301,7 @@ impl CaricatureRoom {
             let templates = std::mem::take(&mut self.templates);
             match loaded.and_then(|loaded| self.take_in(loaded, shared)) {
                 Ok(()) => templates.into_iter().for_each(|path| self.add_template(path, shared)),
-                Err(why) => self.refuse(why, shared),
+                Err(why) => self.fall_back(why, shared),
             }
         }
         if let Some(session) = &mut self.session {
@@ -389,6 +402,8 @@ impl CaricatureRoom {
                 if selected != session.selected {
                     session.selected = selected;
                     self.stale = true;
+                    // A number that was being typed is one step, also where its field is gone.
+                    edits.finish();
                 }
                 wants_mesh = self.layers.takes_mesh();
                 ui.add_space(theme::GAP_LARGE);
@@ -422,7 +437,11 @@ impl CaricatureRoom {
                 let waits = session.is_waiting(id);
                 let measured =
                     Measured { spectrum, mirror, folds, waits, crossings, kept, channels: &channels };
-                match self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits) {
+                // A number that is being typed never goes on in another layer.
+                let wish = ui.push_id(id.0, |ui| {
+                    self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits)
+                });
+                match wish.inner {
                     Some(Wish::AsFarAsItGoes) => {
                         as_far_as_it_goes(session, self.controls.may_fold(), edits, shared);
                     }

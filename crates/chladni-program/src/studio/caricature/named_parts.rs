@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use chladni_caricature::{Action, Layer, LayerId, PaintEdit};
+use chladni_caricature::{Action, HeadParts, Layer, LayerId, PaintEdit};
 use egui::{RichText, Ui};
 
 use super::edits::Edits;
@@ -67,7 +67,7 @@ impl NamedParts {
             return;
         }
         self.known = Known::Searching(Job::start("Looking for a head", ctx, move |task| {
-            let found = head_parts(&mesh, &Aside::new(task))?;
+            let found = head_parts(&mesh, HeadParts::MOST_MISFIT, &Aside::new(task))?;
             Ok(found.map(|(found, ..)| {
                 let parts = Parts::of_head(&found.part, &body);
                 let confidence = (0..parts.names.len()).map(|part| found.extent(part).1).collect();

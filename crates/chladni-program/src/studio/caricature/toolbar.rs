@@ -132,7 +132,7 @@ impl CaricatureRoom {
         choice.response.accessible_name("What colors show").author_id("colors");
         if quantity == Quantity::Harmonic {
             let top = self.session.as_ref().map_or(1, |session| session.stack.body().basis.harmonics()) - 1;
-            let number = egui::DragValue::new(&mut harmonic).range(0..=top).prefix("H ");
+            let number = theme::number(&mut harmonic).range(0..=top).prefix("H ");
             ui.add(number).accessible_name("Harmonic");
         }
         self.heat.choose(quantity, harmonic, map);

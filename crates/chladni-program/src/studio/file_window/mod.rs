@@ -84,6 +84,7 @@ fn title(purpose: Purpose) -> &'static str {
 
 /// The window.
 pub struct FileWindow {
+    title: &'static str,
     browser: Browser,
     /// Folders to jump to, with their icons.
     places: Vec<(Icon, PathBuf)>,
@@ -125,9 +126,11 @@ impl FileWindow {
             add(Icon::Folder, &here);
         }
         settings.recent.iter().filter_map(|path| path.parent()).for_each(|folder| add(Icon::History, folder));
+        let title = title(request.purpose);
         let browser = Browser::new(request);
         let proposes = !browser.typed.is_empty();
         Self {
+            title,
             browser,
             places,
             light: settings.light,
@@ -324,6 +327,7 @@ impl eframe::App for FileWindow {
 impl Program for FileWindow {
     fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
+        focus::name_window(&ctx, self.title);
         ctx.set_theme(if self.light { egui::Theme::Light } else { egui::Theme::Dark });
         self.fitting.zoom(&ctx, self.zoom, SMALLEST);
         if ctx.input(|input| input.key_pressed(Key::Escape)) {

@@ -165,7 +165,7 @@ fn header(
     let mut gain = item.genome.gain;
     let label = ui.label(RichText::new("Gain").color(weak)).id;
     let slider = theme::slider(&mut gain, 0.0..=4.0).fixed_decimals(2);
-    if theme::is_edited(&ui.add(slider).labelled_by(label).on_hover_text("This dance's own strength")) {
+    if ui.add(slider).labelled_by(label).on_hover_text("This dance's own strength").changed() {
         wishes.push(Wish::Do(Action::SetItemGain { item: index, gain }));
     }
     shapes_menu(ui, item, index, heard, wishes);
@@ -185,7 +185,7 @@ fn stereo_mu(ui: &mut Ui, instrument: &Instrument, item: &GalleryItem, index: us
     let tip = "0: the middle of the sound moves symmetric harmonics, its sides antisymmetric ones; at 1 \
                symmetric ones hear the right channel alone and antisymmetric ones the left";
     let slider = theme::slider(&mut stereo_mu, 0.0..=1.0).fixed_decimals(2);
-    if theme::is_edited(&ui.add(slider).labelled_by(label).on_hover_text(tip)) {
+    if ui.add(slider).labelled_by(label).on_hover_text(tip).changed() {
         wishes.push(Wish::Do(Action::SetStereoMu { item: index, stereo_mu }));
     }
 }

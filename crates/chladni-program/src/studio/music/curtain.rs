@@ -1,6 +1,6 @@
 //! The stage in the window: nothing but the dance, on the chosen screen.
 
-use egui::{Color32, Ui, ViewportCommand};
+use egui::{Color32, Event, Key, Ui, ViewportCommand};
 
 use super::concert::Concert;
 use super::legible::{self, Anchored};
@@ -8,7 +8,7 @@ use super::place::{Change, Place};
 use super::preferences::Screen;
 use super::projection::Projection;
 
-/// How long pointer and hint stay after the pointer has moved.
+/// How long pointer and hint stay after the pointer has moved, or a key was pressed that does nothing else.
 const LINGER_SECS: f64 = 2.0;
 /// The size of the hint's letters, in points.
 const HINT: f32 = 14.0;
@@ -19,8 +19,8 @@ pub struct Curtain {
     open: bool,
     /// The window was made to fill a screen by the stage, not by the user.
     filled: bool,
-    /// When the pointer last moved, by the window's clock.
-    moved_secs: Option<f64>,
+    /// When the pointer last moved, or help was sought with a key, by the window's clock.
+    sought_secs: Option<f64>,
     place: Place,
 }
 
@@ -35,7 +35,7 @@ impl Curtain {
     ) -> Option<String> {
         let opens = on_stage && !self.open;
         if on_stage != self.open {
-            (self.open, self.moved_secs, self.place) = (on_stage, None, Place::default());
+            (self.open, self.sought_secs, self.place) = (on_stage, None, Place::default());
             if !on_stage && std::mem::take(&mut self.filled) {
                 ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
             }
@@ -72,15 +72,18 @@ impl Curtain {
         None
     }
 
-    /// Hides the pointer; where it moves, shows it for a moment with the keys that help.
+    /// Hides the pointer. Where it moves, or a key is pressed that nothing else has taken, shows it for a moment with the keys
+    /// that help.
     pub fn show(&mut self, ui: &mut Ui, concert: &Concert, projection: Projection) {
         let now_secs = ui.input(|input| input.time);
         let opacity = concert.title_opacity(now_secs);
         concert.song_title.show(ui, ui.max_rect(), projection, opacity);
-        if ui.input(|input| input.pointer.is_moving()) {
-            self.moved_secs = Some(now_secs);
+        let is_press =
+            |event: &Event| matches!(event, Event::Key { key, pressed: true, .. } if !goes_with_others(*key));
+        if ui.input(|input| input.pointer.is_moving() || input.events.iter().any(is_press)) {
+            self.sought_secs = Some(now_secs);
         }
-        if self.moved_secs.is_none_or(|moved_secs| now_secs - moved_secs > LINGER_SECS) {
+        if self.sought_secs.is_none_or(|sought_secs| now_secs - sought_secs > LINGER_SECS) {
             ui.ctx().set_cursor_icon(egui::CursorIcon::None);
             return;
         }
@@ -107,4 +110,23 @@ impl Curtain {
         // A label is read aloud, too.
         ui.put(place, egui::Label::new(text).selectable(false));
     }
+}
+
+/// Whether a key seeks nothing by itself: those that modify others, and locks.
+fn goes_with_others(key: Key) -> bool {
+    matches!(
+        key,
+        Key::ShiftLeft
+            | Key::ShiftRight
+            | Key::ControlLeft
+            | Key::ControlRight
+            | Key::AltLeft
+            | Key::AltRight
+            | Key::SuperLeft
+            | Key::SuperRight
+            | Key::Fn
+            | Key::CapsLock
+            | Key::NumLock
+            | Key::ScrollLock
+    )
 }

@@ -145,7 +145,7 @@ fn symmetry(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     if let Some(first) = shown {
         let last = harmonics.count().saturating_sub(1);
         let mut at = first;
-        let slider = egui::Slider::new(&mut at, harmonics.first_waving()..=last).step_by((CELLS - 1) as f64);
+        let slider = theme::slider(&mut at, harmonics.first_waving()..=last).step_by((CELLS - 1) as f64);
         if ui.add(slider).on_hover_text("The first harmonic that is shown").changed() {
             wishes.push(Wish::Show(View::Harmonics(at)));
         }

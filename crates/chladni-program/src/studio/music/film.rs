@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_music::{BeatReading, Show};
 use chladni_view::{Draw, FrameRate, Look, ffmpeg_is_there};
-use egui::{DragValue, RichText, Ui};
+use egui::{RichText, Ui};
 
 pub use self::as_it_is::OnStage;
 use self::as_it_is::as_it_is;
@@ -288,7 +288,7 @@ impl Form {
             ui.horizontal(|ui| {
                 for (side, name) in self.size.iter_mut().zip(["Width", "Height"]) {
                     let label = ui.label(name);
-                    ui.add(DragValue::new(side).range(16..=LONGEST_SIDE)).labelled_by(label.id);
+                    ui.add(theme::number(side).range(16..=LONGEST_SIDE)).labelled_by(label.id);
                 }
             });
         });
@@ -302,7 +302,7 @@ impl Form {
                     button.author_id(format!("fps/{fps}"));
                 }
                 let label = ui.label("Rate");
-                let number = DragValue::new(&mut self.fps).range(FrameRate::WANTED_PER_SECOND);
+                let number = theme::number(&mut self.fps).range(FrameRate::WANTED_PER_SECOND);
                 ui.add(number.max_decimals(3)).labelled_by(label.id).author_id("fps");
             });
         });
@@ -310,13 +310,13 @@ impl Form {
         theme::group(ui, "Range", |ui| {
             ui.horizontal(|ui| {
                 let from = ui.label("From");
-                let number = DragValue::new(&mut self.from_secs).range(0.0..=86_400.0).suffix(" s");
+                let number = theme::number_in(&mut self.from_secs, " s").range(0.0..=86_400.0);
                 ui.add(number).labelled_by(from.id);
                 let mut whole = self.to_secs <= 0.0;
                 let to = ui.label("to");
                 let least = self.from_secs + 0.1;
                 if !whole {
-                    let number = DragValue::new(&mut self.to_secs).range(least..=86_400.0).suffix(" s");
+                    let number = theme::number_in(&mut self.to_secs, " s").range(least..=86_400.0);
                     ui.add(number).labelled_by(to.id);
                 }
                 if theme::checkbox(ui, &mut whole, "the end").changed() {

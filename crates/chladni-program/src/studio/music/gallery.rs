@@ -1,7 +1,7 @@
 //! The overlay of the dancing shapes: choice, marks, and each item's t and a.
 
 use chladni_music::{Action, GalleryItem, Instrument, ItemId, Mapping};
-use egui::{Align2, Color32, Rect, Response, RichText, Sense, Stroke, Ui, UiBuilder, pos2, vec2};
+use egui::{Align2, Color32, Rect, Response, RichText, Sense, Stroke, Ui, UiBuilder, Vec2, pos2, vec2};
 
 use super::curve;
 use super::legible::{self, Anchored};
@@ -13,13 +13,20 @@ use crate::studio::context_menu;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{DRAW, FAVORITE, LOCK, MUTATE, STAGE};
 use crate::studio::shortcut::Shortcut;
+use crate::studio::theme;
 
 // The cells are dark in both themes, or as bright as the background that was chosen for them.
 const ACCENT: Color32 = Color32::from_rgb(226, 166, 70);
+/// Beneath lines and icons, which are then seen on any background.
+const RIM: Color32 = Color32::from_black_alpha(190);
 /// How far marks and curves stay away from a cell's edge.
 const EDGE: f32 = 9.0;
-/// What marks and edges take of the width of a cell.
+/// The part of a cell's width that marks and edges take.
 const MARKS: f32 = 80.0;
+/// The part that the buttons of the marked cell take.
+const BUTTONS: f32 = 166.0;
+/// What a number in the corner takes with the edge.
+const NUMBER: f32 = 24.0;
 
 /// Draws the overlay of every cell and handles clicks: a click chooses, a double click puts on stage, and the
 /// other button opens a menu. `marked` is the item that keys act on. Returns the item under the pointer, and
@@ -56,7 +63,7 @@ pub fn overlay(
         let is_marked = marked == Some(index);
         frame(ui, *cell, item, &title, is_marked);
         if let Some(standing) = standing {
-            in_corner(ui, *cell, 24.0, standing, ACCENT);
+            in_corner(ui, *cell, (30.0, MARKS), standing, ACCENT);
         }
         // The second click of a double click takes back the choice of the first.
         if response.clicked() {
@@ -82,27 +89,35 @@ fn in_words(favorite: bool, locked: bool) -> Option<&'static str> {
 }
 
 fn frame(ui: &Ui, cell: Rect, item: &GalleryItem, title: &str, marked: bool) {
-    let border = match (item.chosen, marked) {
-        (true, true) => Stroke::new(3.0, ACCENT),
-        (true, false) => Stroke::new(2.5, ACCENT.gamma_multiply(0.85)),
-        (false, true) => Stroke::new(1.5, Color32::from_white_alpha(110)),
-        (false, false) => Stroke::new(1.0, Color32::from_white_alpha(18)),
+    let (width, color) = match (item.chosen, marked) {
+        (true, true) => (3.0, ACCENT),
+        (true, false) => (2.5, ACCENT),
+        (false, true) => (1.5, Color32::from_white_alpha(170)),
+        (false, false) => (1.0, Color32::from_white_alpha(18)),
     };
-    ui.painter().rect_stroke(cell, 6.0, border, egui::StrokeKind::Inside);
+    let line = |inward: f32, stroke: Stroke| {
+        ui.painter().rect_stroke(cell.shrink(inward), 6.0 - inward, stroke, egui::StrokeKind::Inside);
+    };
+    if item.chosen || marked {
+        line(0.0, Stroke::new(width + 2.0, RIM));
+    }
+    line(1.0, Stroke::new(width, color));
     curves(ui, cell, &item.genome);
     let title = title.strip_prefix("Dance ").filter(|_| item.name.is_empty()).unwrap_or(title);
-    in_corner(ui, cell, 8.0, title, Color32::from_white_alpha(230));
+    let taken = if marked { BUTTONS } else { MARKS };
+    in_corner(ui, cell, (8.0, taken), title, Color32::from_white_alpha(230));
 }
 
-/// Text in the upper right corner of a cell, so far below its edge.
-fn in_corner(ui: &Ui, cell: Rect, below: f32, text: &str, color: Color32) {
+/// Text in the upper right corner of a cell, so far below its edge, beside what is `taken` at the left.
+fn in_corner(ui: &Ui, cell: Rect, (below, taken): (f32, f32), text: &str, color: Color32) {
     let size = egui::TextStyle::Small.resolve(ui.style()).size;
-    let width = cell.width() - MARKS;
+    let width = (cell.width() - taken).max(NUMBER - EDGE);
     let place = Anchored { at: cell.right_top() + vec2(-EDGE, below), anchor: Align2::RIGHT_TOP, width };
     legible::show(ui, place, text, size, color);
 }
 
-/// Chosen, favorite and locked; on the marked item buttons for all that can be done with it.
+/// Chosen, favorite and locked; on the marked item buttons for all that can be done with it, as many as have room: the menu
+/// and keys have them, too.
 fn marks(
     ui: &mut Ui,
     cell: Rect,
@@ -112,7 +127,8 @@ fn marks(
     wishes: &mut Vec<Wish>,
 ) {
     let favorite = instrument.is_favorite(item.id);
-    let row = Rect::from_min_size(cell.left_top() + vec2(EDGE - 3.0, 5.0), vec2(cell.width() - 60.0, 22.0));
+    let corner = cell.left_top() + vec2(EDGE - 3.0, 5.0);
+    let row = Rect::from_min_max(corner, pos2(cell.right() - NUMBER, corner.y + theme::TARGET));
     if !marked {
         let mut at = row.left_top() + vec2(3.0, 3.0);
         for (shown, mark) in
@@ -131,13 +147,19 @@ fn marks(
     ui.spacing_mut().item_spacing.x = 2.0;
     ui.spacing_mut().button_padding = vec2(3.0, 2.0);
     if item.chosen {
-        ui.label(RichText::new(icon::text(Icon::CircleCheck)).size(15.0).color(ACCENT));
+        let (place, _) = ui.allocate_exact_size(vec2(15.0, theme::TARGET), Sense::hover());
+        let place = Anchored { at: place.center(), anchor: Align2::CENTER_CENTER, width: f32::INFINITY };
+        legible::show(&ui, place, &icon::text(Icon::CircleCheck), 15.0, ACCENT);
     }
     let mut button = |mark: Icon, on: Option<bool>, key: Shortcut, wish: Wish| {
-        let color = if on == Some(true) { ACCENT } else { Color32::from_white_alpha(200) };
+        if ui.available_width() < theme::TARGET {
+            return;
+        }
+        let (color, fill) =
+            if on == Some(true) { (theme::ON_ACCENT, ACCENT) } else { (Color32::from_white_alpha(230), RIM) };
         let text = RichText::new(icon::text(mark)).size(15.0).color(color);
-        let fill = Color32::from_black_alpha(120);
-        let button = ui.add(egui::Button::new(text).fill(fill).stroke(Stroke::NONE).small());
+        let button = egui::Button::new(text).fill(fill).stroke(Stroke::NONE).small();
+        let button = ui.add(button.min_size(Vec2::splat(theme::TARGET)));
         if let Some(on) = on {
             let info = || egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, key.action);
             button.widget_info(info);
@@ -199,11 +221,10 @@ fn curves(ui: &Ui, cell: Rect, mapping: &Mapping) {
         (left, "t", &mapping.transfer, (0.0, 1.0), curve::TRANSFER),
         (right, "a", &mapping.amplification, (-peak, peak), ACCENT),
     ] {
-        // A dark rim keeps the line legible on a bright background.
-        curve::line(ui.painter(), rect, values, range, Stroke::new(3.2, Color32::from_black_alpha(90)));
+        curve::line(ui.painter(), rect, values, range, Stroke::new(3.5, RIM));
         curve::line(ui.painter(), rect, values, range, Stroke::new(1.5, color));
         let at = pos2(rect.left() - 5.0, rect.center().y);
         let place = Anchored { at, anchor: Align2::RIGHT_CENTER, width: f32::INFINITY };
-        legible::show(ui, place, name, 11.0, color.gamma_multiply(0.9));
+        legible::show(ui, place, name, 11.0, color);
     }
 }

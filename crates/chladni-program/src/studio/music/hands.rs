@@ -243,14 +243,8 @@ impl MusicRoom {
             },
         };
         if !found {
-            let which = match which {
-                Which::Number(number) => format!(" {number}"),
-                Which::Name(name) => format!(" called {name}"),
-                Which::Press | Which::Level(_) => String::new(),
-            };
-            shared
-                .notices
-                .warn(format!("A controller asked for a {}{which} that is not there.", target.name()));
+            let wanted = wanted(target, which);
+            shared.notices.warn(format!("A controller asked for {wanted}, but there is none."));
         }
     }
 
@@ -277,6 +271,22 @@ impl MusicRoom {
         self.preset = at.or(self.preset);
         wishes.extend(preset.map(|preset| Wish::Take(Box::new((*preset).clone()))));
         preset.is_some()
+    }
+}
+
+/// The thing that `target` was to do something with, in words.
+fn wanted(target: Target, which: &Which) -> String {
+    let thing = match target {
+        Target::RandomPreset => "preset",
+        Target::Lights => "light",
+        _ if target.kind() == Kind::Dance => "dance",
+        _ => target.name(),
+    };
+    match which {
+        Which::Number(number) => format!("{thing} {number}"),
+        Which::Name(name) => format!("a {thing} called {name}"),
+        Which::Press if target.kind() == Kind::Dance => format!("a marked {thing}"),
+        Which::Press | Which::Level(_) => format!("a {thing}"),
     }
 }
 
@@ -415,6 +425,18 @@ mod tests {
         let names = [files.clone(), files, titles];
         let picked = |name: &str| pick_by_any(&names, None, &Which::Name(name.into()));
         assert_eq!(["01", "1999", "02", "2", "1"].map(picked), [2, 1, 0, 2, 0].map(Some));
+    }
+
+    #[test]
+    fn a_thing_that_is_not_there_is_named_and_not_what_was_to_be_done_with_it() {
+        let named = || Which::Name("x".into());
+        assert_eq!(wanted(Target::Stage, &Which::Number(99)), "dance 99");
+        assert_eq!(wanted(Target::Choose, &named()), "a dance called x");
+        assert_eq!(wanted(Target::Cue, &Which::Press), "a marked dance");
+        assert_eq!(wanted(Target::Song, &Which::Number(7)), "song 7");
+        assert_eq!(wanted(Target::Lights, &named()), "a light called x");
+        assert_eq!(wanted(Target::RandomPreset, &Which::Press), "a preset");
+        assert_eq!(wanted(Target::Volume, &Which::Level(0.5)), "a volume");
     }
 
     #[test]

@@ -9,10 +9,10 @@ use super::remote::{Asked, Now};
 use super::view::View;
 use super::wish::{Then, Wish};
 use crate::studio::keys::music::{
-    AUTOPILOT, BACK, BLACKOUT, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FOLLOW_CLOCK, FORTH, FREEZE, GO,
-    HALVE, HOLD, LEAVE, LIVE, LOCK, LOCK_BEAT, MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, MUTATE,
-    NEXT_SONG, NEXT_UP, NUDGE_BACK, NUDGE_ON, OPEN, PLAY, PREVIOUS_SONG, RECORD, REPEAT, SAVE, SHOW, SHUFFLE,
-    STAGE, TAP,
+    AUTOPILOT, BACK, BLACKOUT, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FOLLOW_CLOCK, FORTH, FORTH_BY_Y,
+    FREEZE, GO, HALVE, HOLD, LEAVE, LIVE, LOCK, LOCK_BEAT, MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT,
+    MUTATE, NEXT_SONG, NEXT_UP, NUDGE_BACK, NUDGE_ON, OPEN, PLAY, PREVIOUS_SONG, RECORD, REPEAT, SAVE, SHOW,
+    SHUFFLE, STAGE, TAP,
 };
 use crate::studio::room::Shared;
 use crate::studio::shortcut::Shortcut;
@@ -108,7 +108,7 @@ impl MusicRoom {
         when(&mut wishes, BREED, Wish::Do(Action::Breed));
         let gallery = concert.instrument().gallery();
         // With Shift first: the key without it would answer, too.
-        let go = [(FORTH, gallery.forth()), (BACK, gallery.back())];
+        let go = [(FORTH, gallery.forth()), (FORTH_BY_Y, gallery.forth()), (BACK, gallery.back())];
         for (key, generation) in go {
             if key.pressed(ctx)
                 && let Some(generation) = generation

@@ -1,7 +1,7 @@
 //! The knobs and switches of the instrument.
 
 use chladni_music::{Action, Instrument, Parameter, Parameters, Switch, Timbre};
-use egui::{RichText, Slider, Ui};
+use egui::{RichText, Ui};
 
 use super::wish::Wish;
 use crate::studio::author_id::AuthorId;
@@ -130,44 +130,17 @@ fn knob(
     let slider = theme::slider(&mut value, low..=high).logarithmic(by_factors(parameter));
     let slider = match shown(parameter) {
         Shown { decimals, unit: "", .. } => slider.fixed_decimals(decimals),
-        Shown { factor, decimals, unit } => in_units(slider, factor, decimals, unit),
+        Shown { factor, decimals, unit } => theme::in_units(slider, factor, decimals, unit),
     };
     let slider = theme::wide_row(ui, LABEL, name, tip, |ui| ui.add_enabled(idle.is_none(), slider));
     let slider = slider
         .author_id(parameter.name())
         .on_hover_text(tip)
         .on_disabled_hover_text(idle.unwrap_or_default());
-    if theme::is_edited(&slider) {
+    if slider.changed() {
         wishes.push(Wish::Do(Action::Set { parameter, value }));
     }
     if let Some(why) = idle {
         theme::weak(ui, why);
-    }
-}
-
-/// Shown times `factor`, with a unit; typed numbers are in it, too, whether or not they name it.
-fn in_units<'a>(slider: Slider<'a>, factor: f64, decimals: usize, unit: &'static str) -> Slider<'a> {
-    slider
-        .custom_formatter(move |value, _| format!("{:.decimals$}{unit}", value * factor))
-        .custom_parser(move |text| Some(number_before(text, unit)? / factor))
-}
-
-/// The number in `text`, which may end in `unit`.
-fn number_before(text: &str, unit: &str) -> Option<f64> {
-    text.trim().trim_end_matches(unit.trim()).trim_end().parse().ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::number_before;
-
-    #[test]
-    fn a_number_is_read_with_its_unit_near_or_far_or_without() {
-        for text in ["5", " 5 ", "5%", "5 %", "5.0  % "] {
-            assert_eq!(number_before(text, " %"), Some(5.0), "{text}");
-        }
-        assert_eq!(number_before("-90°", "°"), Some(-90.0));
-        assert_eq!(number_before("90 °", "°"), Some(90.0));
-        assert_eq!((number_before("5°", " %"), number_before("%", " %")), (None, None));
     }
 }

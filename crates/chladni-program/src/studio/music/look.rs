@@ -196,7 +196,7 @@ fn blur(ui: &mut Ui, chosen: &mut Option<u8>, own: f32) {
     let tip = "As through a lens that is wide open: what lies before or behind the front of the shape is soft. 0 is sharp \
                everywhere. It goes first where pictures are late.";
     let mut percent = chosen.unwrap_or((100.0 * own).round() as u8);
-    let slider = theme::with_unit(theme::slider(&mut percent, 0..=100), 0, "%");
+    let slider = theme::in_units(theme::slider(&mut percent, 0..=100), 1.0, 0, " %");
     if theme::row(ui, "Blur", tip, |ui| ui.add(slider)).on_hover_text(tip).changed() {
         *chosen = Some(percent);
     }

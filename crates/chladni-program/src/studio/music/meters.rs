@@ -6,6 +6,7 @@ use epaint::PathShape;
 use super::curve;
 use super::listening::{Listening, Loudness};
 use crate::studio::author_id::AuthorId;
+use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{DOUBLE, HALVE, TAP};
 use crate::studio::theme;
 
@@ -92,12 +93,16 @@ fn levels(ui: &mut Ui, listening: &Listening) {
 /// The channels of [`Listening::levels`].
 pub const CHANNELS: [&str; 2] = ["Left", "Right"];
 
-/// A bar of the root mean square with a line at the peak, from −60 dB to full scale.
+/// A peak from which on the sound may have been cut off.
+const CLIPS: f32 = 0.999;
+
+/// A bar of the root mean square with a line at the peak, from −60 dB to full scale, and a mark where it clips.
 pub fn level(ui: &mut Ui, channel: &str, level: Loudness) {
     let palette = theme::palette(ui);
     let share = |amplitude: f32| (1.0 + 20.0 * amplitude.max(1e-6).log10() / 60.0).clamp(0.0, 1.0);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 12.0), Sense::hover());
-    let color = if level.peak >= 0.999 { palette.error } else { palette.good };
+    let clips = level.peak >= CLIPS;
+    let color = if clips { palette.error } else { palette.good };
     ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
     let mut bar = rect.shrink(2.0);
     let whole = bar.width();
@@ -107,11 +112,18 @@ pub fn level(ui: &mut Ui, channel: &str, level: Loudness) {
         let x = rect.left() + 2.0 + whole * share(level.peak);
         ui.painter().vline(x, rect.shrink(2.0).y_range(), Stroke::new(2.0, color));
     }
+    if clips {
+        let mark = rect.with_min_x(rect.right() - rect.height());
+        ui.painter().rect_filled(mark, 4.0, color);
+        let (text, font) = (icon::text(Icon::TriangleAlert), FontId::proportional(10.0));
+        ui.painter().text(mark.center(), Align2::CENTER_CENTER, text, font, ui.visuals().extreme_bg_color);
+    }
     let decibels = |amplitude: f32| 20.0 * amplitude.max(1e-6).log10();
     let text = format!("Mean {:.0} dB, peak {:.0} dB", decibels(level.rms), decibels(level.peak));
+    let clipped = if clips { ", clips" } else { "" };
     response.widget_info(|| egui::WidgetInfo {
         current_text_value: Some(text.clone()),
-        ..egui::WidgetInfo::labeled(egui::Role::Meter, true, format!("{channel} level"))
+        ..egui::WidgetInfo::labeled(egui::Role::Meter, true, format!("{channel} level{clipped}"))
     });
     response.on_hover_text(text);
 }
@@ -163,4 +175,36 @@ fn dial(ui: &Ui, rect: Rect, phase: f32, sure: f32) {
     ui.painter().add(PathShape::line(arc, Stroke::new(3.0, color)));
     let swell = (1.0 - phase).powi(2) * sure;
     ui.painter().circle_filled(center, 3.0 + (radius - 8.0) * swell, color);
+}
+
+#[cfg(test)]
+mod tests {
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    use super::*;
+
+    #[test]
+    fn sound_that_clips_has_a_mark_and_says_so() {
+        for (peak, name) in [(0.5, "Left level"), (1.0, "Left level, clips")] {
+            let heard = Loudness { peak, rms: 0.1 };
+            // Nothing is drawn before the font of the icons is there.
+            let is_ready = std::rc::Rc::new(std::cell::Cell::new(false));
+            let ready = is_ready.clone();
+            let meter = move |ui: &mut Ui| {
+                if ready.get() {
+                    level(ui, CHANNELS[0], heard);
+                }
+            };
+            let mut window = Harness::builder().with_size(vec2(200.0, 40.0)).build_ui(meter);
+            theme::install(&window.ctx);
+            window.run_steps(1);
+            is_ready.set(true);
+            window.run_steps(3);
+            assert!(window.query_by_label(name).is_some(), "{name}");
+            let shapes = &window.output().shapes;
+            let is_marked = shapes.iter().any(|clipped| matches!(clipped.shape, egui::Shape::Text(_)));
+            assert_eq!(is_marked, peak > CLIPS);
+        }
+    }
 }

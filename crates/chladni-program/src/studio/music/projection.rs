@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, Galley, Mesh, Pos2, Rect, Sense, Stroke, TextureId, Ui, Vec2, vec2};
+use egui::{Color32, Galley, Key, Mesh, Pos2, Rect, Sense, Stroke, TextureId, Ui, Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
 use crate::studio::author_id::AuthorId;
-use crate::studio::theme;
+use crate::studio::{shortcut, theme};
 
 /// Where the corners of the picture go, and its trim.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -156,13 +156,10 @@ impl Projection {
                     ..egui::EventFilter::default()
                 };
                 ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, lock));
-                by += ui.input(|input| {
-                    let pressed = |key| if input.key_pressed(key) { 1.0 } else { 0.0 };
-                    vec2(
-                        pressed(egui::Key::ArrowRight) - pressed(egui::Key::ArrowLeft),
-                        pressed(egui::Key::ArrowDown) - pressed(egui::Key::ArrowUp),
-                    )
-                });
+                by += vec2(
+                    shortcut::steps(ui, Key::ArrowRight, Key::ArrowLeft),
+                    shortcut::steps(ui, Key::ArrowDown, Key::ArrowUp),
+                );
             }
             if by != Vec2::ZERO {
                 let moved = [x + by.x / rect.width().max(1.0), y + by.y / rect.height().max(1.0)];
@@ -191,10 +188,8 @@ impl Projection {
         let tip = "On stage, drag the corners of the picture onto those of the wall; arrows move the one that has the focus";
         theme::checkbox(ui, adjusts, "Move the corners").on_hover_text(tip);
         for (trim, name) in self.trim.iter_mut().zip(["Red", "Green", "Blue"]) {
-            theme::edit(trim, |share| {
-                let slider = theme::slider(share, 0.0..=1.0).fixed_decimals(2);
-                theme::row(ui, name, "How bright this color is on stage", |ui| ui.add(slider))
-            });
+            let slider = theme::slider(trim, 0.0..=1.0).fixed_decimals(2);
+            theme::row(ui, name, "How bright this color is on stage", |ui| ui.add(slider));
         }
         let reset = ui
             .add_enabled(*self != Self::default(), egui::Button::new("As it is"))
@@ -266,6 +261,25 @@ mod tests {
             most = most.max((rect.min.to_vec2() + vec2(x, y) * rect.size() - drawn).length());
         }
         assert!(most < 0.3, "{most} pixels");
+    }
+
+    #[test]
+    fn arrows_move_the_corner_that_has_the_focus_and_nothing_after_it() {
+        let (ctx, mut projection) = (egui::Context::default(), Projection::default());
+        let rect = Rect::from_min_size(Pos2::ZERO, vec2(100.0, 50.0));
+        let is_left_over = [Key::Tab, Key::Q, Key::ArrowRight].map(|key| {
+            let modifiers = egui::Modifiers::NONE;
+            let event = egui::Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+            let input = egui::RawInput { events: vec![event], ..egui::RawInput::default() };
+            let mut is_left_over = false;
+            let _ = ctx.run_ui(input, |ui| {
+                projection.adjust(ui, rect);
+                is_left_over = ui.input(|input| input.key_pressed(key));
+            });
+            is_left_over
+        });
+        assert_eq!(is_left_over, [true, true, false]);
+        assert!(near(projection.corners[0], [0.01, 0.0]), "{:?}", projection.corners);
     }
 
     #[test]

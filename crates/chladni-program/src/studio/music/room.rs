@@ -15,6 +15,7 @@ use super::view::View;
 use super::wish::{Then, Wish};
 use super::{meters, show_bar, transport};
 use crate::studio::author_id::AuthorId;
+use crate::studio::dropping::named;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job;
 use crate::studio::keys::music::OPEN;
@@ -211,9 +212,7 @@ impl Room for MusicRoom {
         let mut songs = Vec::new();
         let (opened, left_out) = formats::opened_together(paths);
         left_out.into_iter().for_each(|why| shared.notices.warn(why));
-        // A project brings its mesh by itself.
-        let project = opened.iter().find(|path| formats::is_project(path));
-        let shape = project.or_else(|| opened.iter().find(|path| is_shape(path)));
+        let shape = shape_among(&opened);
         for path in &opened {
             match formats::kind(path) {
                 _ if playlist::is_list(path) => songs.extend(songs_of_list(path, shared)),
@@ -244,6 +243,20 @@ impl Room for MusicRoom {
         }
         self.late_songs.extend(songs);
         self.add_songs(shared);
+    }
+
+    fn drop_does(&self, paths: &[PathBuf], _anew: bool) -> Option<String> {
+        let (opened, _) = formats::opened_together(paths);
+        let is_text = |path: &&PathBuf| !playlist::is_list(path) && formats::kind(path) == Kind::Text;
+        let is_song = |path: &&PathBuf| playlist::is_list(path) || formats::kind(path) == Kind::Song;
+        let texts = opened.iter().filter(is_text);
+        let begun: Vec<PathBuf> = shape_among(&opened).into_iter().chain(texts).cloned().collect();
+        let songs: Vec<PathBuf> = opened.iter().filter(is_song).cloned().collect();
+        match (named(&begun), named(&songs)) {
+            (Some(begun), None) => Some(format!("Open {begun}")),
+            (Some(begun), Some(songs)) => Some(format!("Open {begun}, and play {songs}")),
+            (None, songs) => Some(format!("Play {}", songs?)),
+        }
     }
 }
 
@@ -366,11 +379,12 @@ impl MusicRoom {
                 shared.notices.failed(why);
             }
             if on_stage {
-                self.curtain.show(ui, concert, shared.settings.music.projection);
+                // The curtain comes last: it sees the keys that nothing else has taken.
                 if self.drawers.adjusts {
                     let screen = ui.max_rect();
                     shared.settings.music.projection.adjust(ui, screen);
                 }
+                self.curtain.show(ui, concert, shared.settings.music.projection);
             }
         });
     }
@@ -412,6 +426,12 @@ impl MusicRoom {
         }
         Ok(())
     }
+}
+
+/// The one of `paths` that dances: a project brings its mesh by itself.
+fn shape_among(paths: &[PathBuf]) -> Option<&PathBuf> {
+    let project = paths.iter().find(|path| formats::is_project(path));
+    project.or_else(|| paths.iter().find(|path| is_shape(path)))
 }
 
 fn is_shape(path: &Path) -> bool {

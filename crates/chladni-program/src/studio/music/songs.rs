@@ -68,9 +68,9 @@ pub fn show(
     playlist(ui, listening, wishes);
     let tip =
         "Where a song is opened and nothing is touched, dances, looks and camera change with the music (A)";
-    ui.checkbox(&mut preferences.leans_back, "Lean back").on_hover_text(tip);
+    theme::checkbox(ui, &mut preferences.leans_back, "Lean back").on_hover_text(tip);
     let tip = "On stage, in its camera and in recordings, for some seconds after a song has begun";
-    ui.checkbox(&mut preferences.song_titles, "Show titles of songs").on_hover_text(tip);
+    theme::checkbox(ui, &mut preferences.song_titles, "Show titles of songs").on_hover_text(tip);
     ui.add_space(theme::GAP_LARGE);
     sound(ui, listening, inputs, preferences);
     lateness(ui, listening, preferences, wishes);
@@ -85,16 +85,17 @@ fn sound(ui: &mut Ui, listening: &mut Listening, devices: &Devices, preferences:
     let tip = "How loud the songs are; the shapes dance the same";
     let slider = theme::slider(&mut volume, 0.0..=1.0).fixed_decimals(2);
     let slider = theme::wide_row(ui, VOLUME, "Volume", tip, |ui| ui.add(slider)).on_hover_text(tip);
-    if theme::is_edited(&slider) {
+    if slider.changed() {
         listening.set_volume(volume);
         preferences.volume = volume;
     }
     let mut fade_secs = listening.song_fade_secs();
     let tip =
         "How long the end of a song is heard under the beginning of the next; without one there is no gap";
-    let slider = theme::with_unit(theme::slider(&mut fade_secs, 0.0..=LONGEST_CROSSFADE_SECS), 1, "s");
+    let slider = theme::slider(&mut fade_secs, 0.0..=LONGEST_CROSSFADE_SECS);
+    let slider = theme::in_units(slider, 1.0, 1, " s");
     let slider = theme::wide_row(ui, VOLUME, "Crossfade", tip, |ui| ui.add(slider)).on_hover_text(tip);
-    if theme::is_edited(&slider) {
+    if slider.changed() {
         listening.set_song_fade_secs(fade_secs);
         preferences.song_fade_secs = fade_secs;
     }
@@ -129,7 +130,7 @@ fn lateness(ui: &mut Ui, listening: &mut Listening, preferences: &mut Preference
     let mut late_ms = preferences.late_ms();
     ui.horizontal(|ui| {
         let label = ui.label("Picture late by").on_hover_text(tip);
-        let field = egui::DragValue::new(&mut late_ms).range(-MOST_LATE_MS..=MOST_LATE_MS).suffix(" ms");
+        let field = theme::number_in(&mut late_ms, " ms").range(-MOST_LATE_MS..=MOST_LATE_MS);
         let field = ui.add(field).labelled_by(label.id).author_id("picture-late");
         if field.on_hover_text(tip).changed() {
             preferences.set_late_ms(late_ms);
@@ -200,7 +201,9 @@ fn song_row(ui: &mut Ui, listening: &Listening, status: &PlayerStatus, song: usi
     let name = name();
     let visuals = ui.style().interact_selectable(&response, heard);
     if heard || response.hovered() || response.has_focus() {
-        ui.painter().rect_filled(rect, visuals.corner_radius, visuals.weak_bg_fill);
+        let line = if heard { theme::chosen_line(ui.visuals()) } else { egui::Stroke::NONE };
+        let (corner, fill) = (visuals.corner_radius, visuals.weak_bg_fill);
+        ui.painter().rect(rect, corner, fill, line, egui::StrokeKind::Inside);
     }
     let layout = egui::Layout::right_to_left(egui::Align::Center);
     let inside = egui::UiBuilder::new().max_rect(rect.shrink2(vec2(4.0, 0.0)));
@@ -270,10 +273,10 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Devices, preference
 /// How strongly live input is heard.
 fn strength(ui: &mut Ui, listening: &mut Listening, preferences: &mut Preferences) {
     let tip = "How much louder live input is made; the meter shows it";
-    let louder = theme::edit(&mut preferences.live_gain_db, |gain_db| {
-        let slider = theme::with_unit(theme::slider(gain_db, -MOST_GAIN_DB..=MOST_GAIN_DB), 1, "dB");
-        theme::wide_row(ui, VOLUME, "Gain", tip, |ui| ui.add(slider)).author_id("live-gain")
-    });
+    let slider = theme::slider(&mut preferences.live_gain_db, -MOST_GAIN_DB..=MOST_GAIN_DB);
+    let slider = theme::in_units(slider, 1.0, 1, " dB");
+    let louder =
+        theme::wide_row(ui, VOLUME, "Gain", tip, |ui| ui.add(slider)).author_id("live-gain").changed();
     let tip = "What is soft looks soft: 0 dB moves the shapes fully. Otherwise the level is followed, and soft sound moves \
                them, too";
     let fixed = theme::checkbox(ui, &mut preferences.live_fixed_level, "Fixed level");

@@ -35,9 +35,8 @@ fn settings_of(ui: &mut Ui, name: &str, settings: &mut VoiceSettings) {
         band(ui, from, to);
     }
     let tip = "1 is the layer as it was made; below 0 is its opposite";
-    theme::edit(&mut settings.gain, |gain| {
-        ui.add(theme::slider(gain, -4.0..=4.0).fixed_decimals(2).text("gain")).on_hover_text(tip)
-    });
+    let gain = theme::slider(&mut settings.gain, -4.0..=4.0).fixed_decimals(2);
+    ui.add(gain.text("gain")).on_hover_text(tip);
 }
 
 fn driver(ui: &mut Ui, driver: &mut Driver) {

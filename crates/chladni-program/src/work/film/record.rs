@@ -1,6 +1,7 @@
 //! The coefficients of every frame, for scripts: those of the mapping, without voices.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use chladni_music::Form;
 use chladni_synth::{Coefficients, Item};
@@ -13,6 +14,8 @@ pub struct Recording {
     times_secs: Vec<f64>,
     /// Per term, K×3 or K numbers a frame.
     terms: Vec<Vec<f32>>,
+    /// χ of each term that has one.
+    masks: Vec<Option<Arc<[f32]>>>,
     channels: u64,
     /// Terms, channels and numbers of the first frame, and whether another has others.
     first: Option<[usize; 3]>,
@@ -26,6 +29,9 @@ impl Recording {
         self.times_secs.push(time_secs);
         let own = &item.terms[..form.terms().min(item.terms.len())];
         self.terms.resize(own.len().max(self.terms.len()), Vec::new());
+        if self.masks.is_empty() {
+            self.masks = own.iter().map(|term| term.mask.clone()).collect();
+        }
         for (values, term) in self.terms.iter_mut().zip(own) {
             match &term.coefficients {
                 Coefficients::Vector(c) => {
@@ -44,7 +50,8 @@ impl Recording {
     }
 
     /// Writes `times_secs` and `coefficients` (frames×K×3, or frames×K in the modal form). The
-    /// half-mask form's are those of the left half; `coefficients_right` stands beside.
+    /// half-mask form's are those of the left half; `coefficients_right` stands beside. `mask` and `mask_right` are
+    /// what the movement by each is multiplied with at the N vertices of the harmonics.
     ///
     /// Fails where the form or the number of harmonics changed within the film.
     pub fn write(&self, path: &Path) -> std::io::Result<()> {
@@ -62,6 +69,11 @@ impl Recording {
                 let shape = [frames, k, 3];
                 let shape = if self.channels == 3 { &shape[..] } else { &shape[..2] };
                 npz.array(name, shape, values.iter().copied())?;
+            }
+            for (mask, name) in self.masks.iter().zip(["mask", "mask_right"]) {
+                if let Some(mask) = mask {
+                    npz.array(name, &[mask.len() as u64], mask.iter().copied())?;
+                }
             }
             Ok(())
         })

@@ -79,13 +79,18 @@ fn paint_curve(
         })
         .collect();
     let reached = ((spectrum.finest() * steps as f64).ceil() as usize).min(steps);
+    // A rim keeps it apart from bars of its color.
+    let rim = Stroke::new(5.0, ui.visuals().extreme_bg_color);
+    painter.line(line.clone(), rim);
     painter.line(line[reached..].to_vec(), Stroke::new(1.5, palette.weak.gamma_multiply(0.7)));
     painter.line(line[..=reached].to_vec(), Stroke::new(2.0, palette.accent));
     let handle = |at: Pos2| {
         painter.circle(at, 4.0, ui.visuals().panel_fill, Stroke::new(2.0, palette.accent));
     };
     let y = height_of(plot.residual, curve.residual);
-    painter.hline(plot.residual.x_range(), y, Stroke::new(2.0, palette.accent));
+    for stroke in [rim, Stroke::new(2.0, palette.accent)] {
+        painter.hline(plot.residual.x_range(), y, stroke);
+    }
     handle(pos2(plot.residual.center().x, y));
     if pen == Pen::Points {
         curve.points.iter().for_each(|point| handle(to_screen(plot.curve, *point)));
@@ -116,5 +121,31 @@ fn paint_bars(
         let left = plot.curve.left() + width * band as f32;
         let x = egui::Rangef::new(left + 0.5, left + width - 0.5);
         bar(if band < bands { x } else { plot.residual.x_range().shrink(3.0) }, heights);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rim_of_the_ground_lies_beneath_the_whole_curve() {
+        let (ctx, mut ground) = (egui::Context::default(), Color32::TRANSPARENT);
+        theme::install(&ctx);
+        let output = ctx.run_ui(egui::RawInput::default(), |ui| {
+            ground = ui.visuals().extreme_bg_color;
+            let rect = Rect::from_min_size(Pos2::ZERO, vec2(280.0, 180.0));
+            paint(ui, rect, Plot::within(rect), &ScaleCurve::mid(), &Spectrum::default(), Pen::Free);
+        });
+        let mut lines = output.shapes.iter().filter_map(|clipped| match &clipped.shape {
+            egui::Shape::Path(path) => Some(path),
+            _ => None,
+        });
+        let rim = lines.next().unwrap();
+        assert_eq!(rim.stroke.color, epaint::ColorMode::Solid(ground));
+        for line in lines {
+            assert!(line.stroke.width + 2.0 <= rim.stroke.width);
+            assert!(line.points.iter().all(|point| rim.points.contains(point)));
+        }
     }
 }

@@ -14,6 +14,7 @@ use super::Concert;
 use super::frame::Frame;
 use super::pane::Pane;
 use super::stillness;
+use crate::studio::focus;
 use crate::studio::keys::music::{BLACKOUT, FREEZE, GO, LEAVE, MARK_LEFT, MARK_RIGHT};
 use crate::studio::room::Shared;
 use crate::studio::viewport;
@@ -31,6 +32,9 @@ pub struct Apart {
     lag: Lag,
     place: Place,
 }
+
+/// Its name, in its frame and for screen readers.
+const TITLE: &str = "Chladni: picture";
 
 /// The second window.
 fn window() -> ViewportId {
@@ -102,7 +106,7 @@ impl Concert {
     ) -> Result<(), Error> {
         let screen = shared.settings.music.screen.clone();
         let builder = ViewportBuilder::default()
-            .with_title("Chladni: picture")
+            .with_title(TITLE)
             .with_inner_size([1280.0, 720.0])
             .with_fullscreen(screen == Screen::Full);
         if let Some(change) = apart.place.follow(&screen, &shared.screen.monitors()) {
@@ -121,6 +125,10 @@ impl Concert {
         let pose = stillness::pose(&apart.items, settings.normal_blending) ^ self.sand.version();
         std::mem::swap(&mut self.pane, &mut apart.pane);
         let shown = ctx.show_viewport_immediate(window(), builder, |ui, _| -> Result<(), Error> {
+            // Where a system has no second window, it is drawn in the first.
+            if ui.ctx().viewport_id() != ViewportId::ROOT {
+                focus::name_window(ui.ctx(), TITLE);
+            }
             let rect = viewport::whole_pixels(ui);
             ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
             if self.calibrates {

@@ -42,9 +42,21 @@ pub struct Osc {
 
 #[derive(Default)]
 struct Counts {
-    good: AtomicU64,
+    taken: AtomicU64,
+    crowded_out: AtomicU64,
     bad: AtomicU64,
     closed: AtomicBool,
+}
+
+/// How many packets came.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Packets {
+    /// Those that were taken.
+    pub taken: u64,
+    /// Those that found no room, or not for all of their messages: more came than a frame takes.
+    pub crowded_out: u64,
+    /// Those that are not OSC, too long, or of others than may be heard.
+    pub bad: u64,
 }
 
 /// Messages of a clock, and when they came. Touches cannot fill this queue: nothing empties theirs while another room is
@@ -106,9 +118,11 @@ impl Osc {
         self.clock.take().into_iter()
     }
 
-    /// Packets that were taken, and packets that were not, or not whole: not OSC, too long or too many.
-    pub fn counts(&self) -> (u64, u64) {
-        (self.counts.good.load(Ordering::Relaxed), self.counts.bad.load(Ordering::Relaxed))
+    /// The packets so far.
+    pub fn packets(&self) -> Packets {
+        let Counts { taken, crowded_out, bad, .. } = &*self.counts;
+        let [taken, crowded_out, bad] = [taken, crowded_out, bad].map(|count| count.load(Ordering::Relaxed));
+        Packets { taken, crowded_out, bad }
     }
 }
 
@@ -120,6 +134,11 @@ impl Drop for Osc {
         let _ = wake.and_then(|socket| socket.send_to(&[], (Ipv4Addr::LOCALHOST, self.port())));
         self.thread.take().map(JoinHandle::join);
     }
+}
+
+/// One more packet of that kind.
+fn count(kind: &AtomicU64) {
+    kind.fetch_add(1, Ordering::Relaxed);
 }
 
 fn receive(
@@ -134,19 +153,19 @@ fn receive(
         let length = match socket.recv_from(&mut packet) {
             Ok((length, sender)) if from.allows(sender.ip()) => length,
             Ok(_) => {
-                counts.bad.fetch_add(1, Ordering::Relaxed);
+                count(&counts.bad);
                 continue;
             }
             Err(why) if matches!(why.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => continue,
             // Such as an unreachable port; wait a little before reading again.
             Err(_) => {
-                counts.bad.fetch_add(1, Ordering::Relaxed);
+                count(&counts.bad);
                 std::thread::sleep(Duration::from_millis(20));
                 continue;
             }
         };
         let Some(messages) = packet.get(..length).and_then(OscMessage::in_packet) else {
-            counts.bad.fetch_add(1, Ordering::Relaxed);
+            count(&counts.bad);
             continue;
         };
         let (came, mut has_room) = (Instant::now(), true);
@@ -157,8 +176,7 @@ fn receive(
                 Err(TrySendError::Disconnected(_)) => return,
             }
         }
-        let count = if has_room { &counts.good } else { &counts.bad };
-        count.fetch_add(1, Ordering::Relaxed);
+        count(if has_room { &counts.taken } else { &counts.crowded_out });
     }
 }
 
@@ -201,14 +219,28 @@ mod tests {
             sender.send_to(&packet, to).unwrap();
             std::thread::sleep(Duration::from_millis(20));
             got.extend(osc.touches());
-            let (good, bad) = osc.counts();
-            if !got.is_empty() && good >= 1 && bad >= 2 {
+            let Packets { taken, bad, .. } = osc.packets();
+            if !got.is_empty() && taken >= 1 && bad >= 2 {
                 break;
             }
         }
         assert_eq!(got[0], OscMessage { address: "/1/fader1".into(), value: Some(0.75), text: None });
-        let (good, bad) = osc.counts();
-        assert!(good >= 1 && bad >= 2, "{good} {bad}");
+        let packets = osc.packets();
+        assert!(packets.taken >= 1 && packets.bad >= 2 && packets.crowded_out == 0, "{packets:?}");
+    }
+
+    #[test]
+    fn packets_that_find_no_room_are_not_bad() {
+        let osc = Osc::listen(0, Senders::Here).unwrap();
+        let sender = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let packet = encoder::encode(&message("/1/fader1", vec![OscType::Float(0.75)])).unwrap();
+        let began = Instant::now();
+        // Nobody takes them.
+        while osc.packets().crowded_out == 0 {
+            assert!(began.elapsed() < chladni_testdata::HANGS);
+            sender.send_to(&packet, (Ipv4Addr::LOCALHOST, osc.port())).unwrap();
+        }
+        assert_eq!((osc.touches().count(), osc.packets().bad), (MOST_MESSAGES, 0));
     }
 
     #[test]
@@ -275,11 +307,8 @@ mod tests {
             std::thread::sleep(Duration::from_millis(16));
         }
         let secs = flood.join().unwrap();
-        let (good, bad) = osc.counts();
-        println!(
-            "{:.0} packets/s sent; {good} read, {bad} left out, {taken} taken in {frames} frames",
-            2e5 / secs
-        );
+        let packets = osc.packets();
+        println!("{:.0} packets/s sent; {packets:?}; {taken} messages in {frames} frames", 2e5 / secs);
         let sender = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let packet = encoder::encode(&message("/after", vec![])).unwrap();
         let began = Instant::now();
@@ -288,6 +317,6 @@ mod tests {
             sender.send_to(&packet, (Ipv4Addr::LOCALHOST, port)).unwrap();
             std::thread::sleep(Duration::from_millis(20));
         }
-        assert!(good > 0 && bad > 0);
+        assert!(packets.taken > 0 && packets.bad > 0);
     }
 }

@@ -10,6 +10,7 @@ use super::super::listening::Listening;
 use super::super::preferences::Preferences;
 use super::super::wish::{Then, Wish};
 use super::Remote;
+use super::osc::Packets;
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
@@ -99,7 +100,7 @@ impl Remote {
             let mut port = preferences.osc_port.unwrap_or(USUAL_PORT);
             let tip = "Messages such as /chladni/gain 1.5 and /chladni/breed need no learning.";
             let listen = theme::checkbox(ui, &mut on, "Listen on UDP port").on_hover_text(tip);
-            let number = ui.add_enabled(on, egui::DragValue::new(&mut port).range(1024..=65_535));
+            let number = ui.add_enabled(on, theme::number(&mut port).range(1024..=65_535));
             let number = number.labelled_by(listen.id);
             if listen.changed() || number.changed() {
                 preferences.osc_port = on.then_some(port);
@@ -109,10 +110,7 @@ impl Remote {
             self.network(ui, preferences);
         }
         match &self.osc {
-            Some(Ok(osc)) => {
-                let (good, bad) = osc.counts();
-                theme::weak(ui, format!("Port {}: {good} packets, {bad} bad ones left out", osc.port()));
-            }
+            Some(Ok(osc)) => theme::weak(ui, heard(osc.port(), osc.packets())),
             Some(Err(why)) => theme::warning(ui, why.to_string()),
             None => {}
         }
@@ -142,6 +140,12 @@ impl Remote {
             None => theme::warning(ui, "These are no IPv4 addresses: those before are still heard."),
         }
     }
+}
+
+/// How many packets came at a port, and how many were left out, and why.
+fn heard(port: u16, packets: Packets) -> String {
+    let Packets { taken, crowded_out, bad } = packets;
+    format!("Port {port}: {taken} packets; left out: {crowded_out} too many, {bad} bad ones")
 }
 
 /// The addresses in a list; `None` where others are in it than those of IPv4, which alone are listened to.
@@ -191,7 +195,7 @@ fn row(ui: &mut Ui, bindings: &mut Bindings, number: &mut u32, target: Target) {
             if waits && numbered {
                 // Without a number, a press takes this one.
                 let unnumbered = if target.kind() == Kind::Dance { "marked" } else { "next" };
-                let which = egui::DragValue::new(number).range(0..=999).custom_formatter(|number, _| {
+                let which = theme::number(number).range(0..=999).custom_formatter(|number, _| {
                     if number < 1.0 { unnumbered.into() } else { format!("{number:.0}") }
                 });
                 let field = ui.add(which);
@@ -260,6 +264,12 @@ fn name(target: Target) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn well_formed_packets_that_are_too_many_are_not_called_bad() {
+        let said = heard(8000, Packets { taken: 9621, crowded_out: 46_558, bad: 3 });
+        assert_eq!(said, "Port 8000: 9621 packets; left out: 46558 too many, 3 bad ones");
+    }
 
     #[test]
     fn only_addresses_that_can_be_heard_are_taken() {
