@@ -438,11 +438,13 @@ export function listen() {
   on("undo", () => { const label = sitting.undo(); if (label) say(`Undone: ${label}`); return changed(); });
   on("redo", () => { const label = sitting.redo(); if (label) say(`Done again: ${label}`); return changed(); });
   addEventListener("keydown", attempt((event) => {
-    if (document.body.dataset.view !== "caricature" || !sitting || !(event.ctrlKey || event.metaKey) || !["z", "y"].includes(event.key.toLowerCase())) return;
+    if (document.body.dataset.view !== "caricature" || !sitting || !(event.ctrlKey || event.metaKey)) return;
+    const key = event.key.toLowerCase();
+    if (!["z", "y"].includes(key)) return;
     // There it is the text's own.
     if (event.target.closest("input[type=text], input[type=number], dialog")) return;
     event.preventDefault();
-    if (event.shiftKey || event.key.toLowerCase() === "y") sitting.redo(); else sitting.undo();
+    if (event.shiftKey || key === "y") sitting.redo(); else sitting.undo();
     return changed();
   }));
   slide("mu", (mu) => ({ mu }));

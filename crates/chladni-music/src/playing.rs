@@ -96,10 +96,9 @@ pub struct Playing {
     /// The movement that a full-scale band causes at gain 1: the path of the farthest-moving vertex, as a share of
     /// the bounding box's diagonal, (0, 1]; less where the steepness would exceed 5.5 times that number.
     pub calibration: f32,
-    /// The largest displacement as a share of the diagonal, (0, 1], and 5.5 times that number
-    /// as the largest steepness: a soft limit that starts to act at half its value, on each
-    /// octave of harmonics by itself and then on their sum. It is measured at probes; vertices between them
-    /// may go a little farther.
+    /// The largest displacement as a share of the diagonal, (0, 1], and 5.5 times that number as the largest
+    /// steepness: a soft limit that starts to act at half its value, on each octave of harmonics by itself and
+    /// then on their sum. It is measured at probes; vertices between them may go a little farther.
     pub limit: f32,
     /// φ_d in [−10, 10]: the gain of all detail above K; 1 leaves it unchanged.
     pub detail: f32,

@@ -131,14 +131,9 @@ impl Probes {
         };
         let mut most = 0.0f32;
         for term in &mut item.terms {
-            // The mask of movements along the normal is part of the form, not a half.
-            let is_half = matches!(term.coefficients, Coefficients::Vector(_));
             for group in groups {
                 for (way, part) in parts.iter_mut().enumerate() {
                     self.field(term, group.iter().copied(), |k| sign(way, k), part);
-                    if !is_half {
-                        self.mask(term, part);
-                    }
                 }
                 // Measured without a half's mask, so that halves that play the same are limited the same.
                 let reach = parts.iter().map(|part| self.reach(part, limits)).fold(0.0, f32::max);
@@ -148,9 +143,7 @@ impl Probes {
                 }
                 most = most.max(reach);
                 for (part, total) in parts.iter_mut().zip(totals.iter_mut()) {
-                    if is_half {
-                        self.mask(term, part);
-                    }
+                    self.mask(term, part);
                     add(total, part, scale);
                 }
             }
@@ -182,7 +175,7 @@ impl Probes {
         }
     }
 
-    /// The displacement by some harmonics of a term, each times its `sign`, without its mask.
+    /// The displacement by some harmonics of a term, each times its `sign`, without the mask of a half.
     fn field(
         &self,
         term: &Term,
@@ -232,17 +225,21 @@ impl Probes {
         self.mask(term, out);
     }
 
-    /// Turns amplitudes into displacements along the normals where the term is in normal form.
+    /// Turns amplitudes into displacements along the normals, under their mask, where the term is in normal form.
     fn turn(&self, term: &Term, field: &mut [[f32; 3]]) {
         if matches!(term.coefficients, Coefficients::Normal(_)) {
-            field.iter_mut().zip(&self.normals).for_each(|(d, normal)| *d = normal.map(|n| d[0] * n));
+            for ((d, normal), v) in field.iter_mut().zip(&self.normals).zip(&self.vertices) {
+                let weight = weight(term, *v);
+                *d = normal.map(|n| weight * (d[0] * n));
+            }
         }
     }
 
+    /// Puts a movement under the mask of its half. In normal form the mask is part of the movement.
     fn mask(&self, term: &Term, field: &mut [[f32; 3]]) {
-        if let Some(mask) = &term.mask {
-            for (d, &v) in field.iter_mut().zip(&self.vertices) {
-                let weight = mask.get(v as usize).copied().unwrap_or(1.0);
+        if matches!(term.coefficients, Coefficients::Vector(_)) {
+            for (d, v) in field.iter_mut().zip(&self.vertices) {
+                let weight = weight(term, *v);
                 *d = d.map(|c| weight * c);
             }
         }
@@ -256,6 +253,11 @@ impl Probes {
             .fold(0.0, f32::max);
         (farthest(field) / limits.displacement).max(steepest / limits.steepness)
     }
+}
+
+/// The mask of a term at vertex v.
+fn weight(term: &Term, v: u32) -> f32 {
+    term.mask.as_ref().and_then(|mask| mask.get(v as usize)).copied().unwrap_or(1.0)
 }
 
 /// N fields over the first `count` probes, at rest.

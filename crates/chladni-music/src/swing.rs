@@ -17,9 +17,10 @@ const LEAST_LEAN: f64 = 1e-3;
 ///
 /// An eigenvector's sign is arbitrary. Here antisymmetric harmonics swing outward on the left on average:
 /// ⟨H_a, χ_L − χ_R⟩ > 0. A symmetric one agrees on the left, and so disagrees on the right, with its partner:
-/// the antisymmetric one of largest |⟨H_s, (χ_L − χ_R) H_a⟩| / (‖H_s‖ ‖H_a‖) ω_</ω_>, where ω_< ≤ ω_> are the frequencies
-/// of the two, and each product is that of the movements, under the form's mask. The partner of an antisymmetric one is the symmetric one that it then agrees with most. Both
-/// together, equally loud, move the left half and leave the right one at rest.
+/// the antisymmetric one of largest |⟨H_s, (χ_L − χ_R) H_a⟩| / (‖H_s‖ ‖H_a‖) ω_</ω_>, where ω_< ≤ ω_> are the
+/// frequencies of the two, and each product is that of the movements, under the form's mask. The partner of an
+/// antisymmetric one is the symmetric one that it then agrees with most. Both together, equally loud, move the
+/// left half and leave the right one at rest.
 #[derive(Clone, Debug)]
 pub(crate) struct Swing {
     signs: Vec<f32>,

@@ -120,8 +120,7 @@ pub struct Dance {
     autopilot: bool,
     /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here; in the half-mask form these
     /// are those of the left half, and coefficients_right those of the right. Beside them mask and mask_right, by which the
-    /// movement of each vertex is multiplied. Not with --resume, which makes only what is
-    /// missing.
+    /// movement of each vertex is multiplied. Not with --resume, which makes only what is missing.
     #[arg(long, value_name = "C.npz", conflicts_with = "resume")]
     coefficients: Option<PathBuf>,
     /// Write the mapping of each item of the gallery into this folder, as presets: as they are when all of the film is

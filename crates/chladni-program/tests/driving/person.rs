@@ -40,6 +40,14 @@ impl Desk {
         Person::new(self.opening(files))
     }
 
+    /// A person at the shape, with a layer against each of these kinds of template, of which the last is chosen.
+    pub fn with_layers(&self, templates: &[&str]) -> Person {
+        let mut person = self.sit_down(&["shape.obj"]);
+        person.wait_to_see("Layers");
+        templates.iter().for_each(|template| person.add_layer(template));
+        person
+    }
+
     pub fn opening(&self, files: &[&str]) -> Opening {
         Opening {
             folders: Folders {

@@ -18,9 +18,7 @@ fn saved(desk: &Desk, person: &mut Person) -> Project {
 #[test]
 fn kept_triangles_do_not_fold_and_are_let_go_in_one_step() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("ellipsoid");
+    let mut person = desk.with_layers(&["ellipsoid"]);
     person.wait_to_see("No folds");
     person.slide("μ", -30.0);
     person.wait_to_see("folded triangles");
@@ -40,9 +38,7 @@ fn kept_triangles_do_not_fold_and_are_let_go_in_one_step() {
 #[test]
 fn the_sliders_of_a_head_change_the_template_and_the_match_follows() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("sliders");
+    let mut person = desk.with_layers(&["sliders"]);
     person.wait_to_see("Covered");
     let layer = |person: &mut Person| -> Layer { (*saved(&desk, person).layers()[0].1).clone() };
     assert_eq!(layer(&mut person).template, Template::Sample("portrait".into()));
@@ -58,9 +54,7 @@ fn the_sliders_of_a_head_change_the_template_and_the_match_follows() {
 #[test]
 fn ink_is_drawn_as_its_panel_says_in_pictures_and_drawings() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("ellipsoid");
+    let mut person = desk.with_layers(&["ellipsoid"]);
     person.wait_to_see("No folds");
     person.slide("μ", -2.0);
     assert!(!driving::is_there(&person.0, "ink/detail"));

@@ -147,9 +147,7 @@ fn a_film_that_ends_while_the_start_screen_is_there_holds_up_no_closing() {
 #[test]
 fn a_film_that_fails_while_the_window_waits_for_it_keeps_it_open() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     // It cannot take the place of a folder, which is seen at its end.
     std::fs::create_dir(desk.path("turn.gif")).unwrap();
     film(&mut person, desk.path("turn.gif"), &desk);

@@ -15,9 +15,7 @@ use crate::{CTRL, settle_on_screen};
 #[test]
 fn work_survives_a_crash_and_is_asked_about_on_closing() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     let copies = || std::fs::read_dir(desk.path("recovery")).into_iter().flatten().flatten();
     let kept = || copies().any(|entry| entry.path().extension().is_some_and(|e| e == "chladni"));
     person.wait("the recovery copy", |_| kept());
@@ -52,9 +50,7 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
 #[test]
 fn a_key_that_is_pressed_beside_a_dialog_changes_nothing() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     person.wait_to_see("Magnify all 1");
     desk.answers.add(desk.path("kept.chladni"));
     for (modifiers, key) in [(CTRL, Key::S), (Modifiers::NONE, Key::Delete)] {
@@ -166,9 +162,7 @@ fn a_project_whose_mesh_has_moved_opens_together_with_it() {
 #[test]
 fn keys_do_nothing_beneath_a_question() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     person.close();
     assert!(person.sees("Save before closing?"));
     person.press(Key::Delete);
@@ -208,9 +202,7 @@ fn a_number_of_harmonics_is_a_preference_once_it_is_solved() {
 #[test]
 fn opening_another_project_asks_about_unsaved_work() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     let empty = Project::new(ShapeSource::File(desk.path("template.obj")), HARMONICS);
     empty.save(&desk.path("other.chladni")).unwrap();
     desk.answers.add(desk.path("other.chladni"));
@@ -275,9 +267,7 @@ fn meshes_opened_with_a_shape_become_layers_of_that_shape_only() {
 #[test]
 fn a_project_is_saved_under_a_name_that_opens_again() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     desk.answers.add(desk.path("igea 1.2"));
     person.press_with(CTRL, Key::S);
     assert_eq!(Project::load(&desk.path("igea 1.2.chladni")).unwrap().layers().len(), 1);
@@ -313,9 +303,7 @@ fn a_project_is_saved_under_a_name_that_opens_again() {
 #[test]
 fn a_project_that_another_program_has_changed_is_not_replaced_without_a_question() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     let path = desk.path("p.chladni");
     desk.answers.add(&path);
     person.press_with(CTRL, Key::S);

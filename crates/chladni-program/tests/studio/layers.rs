@@ -192,9 +192,7 @@ fn what_is_typed_moves_no_camera_of_the_landmarks() {
 #[test]
 fn the_first_stroke_of_a_brush_is_one_step() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     person.press(Key::B);
     let middle = pos2(620.0, 420.0);
     person.drag(&[middle, middle + vec2(10.0, 0.0), middle + vec2(20.0, 0.0)]);
@@ -216,9 +214,7 @@ fn the_first_stroke_of_a_brush_is_one_step() {
 /// step of its own.
 fn check_strokes_are_steps(ends: impl FnOnce(&mut Person, Pos2), goes_on: impl FnOnce(&mut Person)) {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     person.press(Key::B);
     let (left, right) = (pos2(580.0, 420.0), pos2(680.0, 420.0));
     let end = left + vec2(10.0, 0.0);
@@ -390,9 +386,7 @@ fn layers_are_named_hidden_soloed_and_moved_by_hand() {
 #[test]
 fn a_click_that_ends_a_name_saves_it_or_takes_it_back() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     rename(&mut person, "Nose");
     person.click("undo");
     assert!(person.sees("Layer Magnify all 1"));
@@ -406,9 +400,7 @@ fn a_click_that_ends_a_name_saves_it_or_takes_it_back() {
 #[test]
 fn what_ends_a_name_by_a_key_or_beside_the_list_has_it() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     let click = |person: &mut Person, tip: &str| {
         let button = person.0.query_all_by_label_contains(tip).next().unwrap();
         button.click();
@@ -501,9 +493,7 @@ fn inside(painted: &Painted) -> usize {
 #[test]
 fn a_layer_that_moves_nothing_is_not_said_to_never_fold() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     person.slide("μ", 0.0);
     person.press(Key::E);
     person.wait_to_see("Nothing moves at");
@@ -512,9 +502,7 @@ fn a_layer_that_moves_nothing_is_not_said_to_never_fold() {
 #[test]
 fn what_is_encircled_is_painted_on_the_side_that_is_seen_and_undone_at_once() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     person.press(Key::B);
     person.click("lasso");
     let middle = pos2(620.0, 420.0);
@@ -540,9 +528,7 @@ fn what_is_encircled_is_painted_on_the_side_that_is_seen_and_undone_at_once() {
 #[test]
 fn a_region_comes_from_curvature_goes_to_a_file_and_comes_back() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("magnify");
+    let mut person = desk.with_layers(&["magnify"]);
     person.click("curvature");
     person.screenshot("studio-curvature.png");
     person.click("curvature/bumps");

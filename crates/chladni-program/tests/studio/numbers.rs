@@ -30,21 +30,11 @@ fn type_on(person: &mut Person, text: &str) {
     }
 }
 
-/// A person with a layer for each of `templates`, of which the last is chosen.
-fn with_layers(desk: &Desk, templates: &[&str]) -> Person {
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    for template in templates {
-        person.add_layer(template);
-    }
-    person.wait_to_see("Strength");
-    person
-}
-
 #[test]
 fn a_number_counts_while_it_is_typed_and_what_is_none_keeps_the_last_one() {
     let desk = Desk::new();
-    let mut person = with_layers(&desk, &["ellipsoid"]);
+    let mut person = desk.with_layers(&["ellipsoid"]);
+    person.wait_to_see("Strength");
     for (typed, key, becomes) in [
         ("-0,8", Key::Enter, -0.8),
         ("-", Key::Tab, -0.8),
@@ -66,7 +56,8 @@ fn a_number_counts_while_it_is_typed_and_what_is_none_keeps_the_last_one() {
 #[test]
 fn what_is_typed_is_saved_and_stays_with_its_layer() {
     let desk = Desk::new();
-    let mut person = with_layers(&desk, &["ellipsoid", "ellipsoid"]);
+    let mut person = desk.with_layers(&["ellipsoid", "ellipsoid"]);
+    person.wait_to_see("Strength");
     let saved = desk.path("kept.chladni");
     desk.answers.add(&saved);
     let save = |person: &mut Person| {

@@ -60,9 +60,7 @@ fn files_that_are_held_over_the_window_say_what_their_drop_does() {
 #[test]
 fn ellipsoids_are_given_by_numbers_and_all_is_magnified_against_oneself_scaled_or_smoothed() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("ellipsoid");
+    let mut person = desk.with_layers(&["ellipsoid"]);
     person.wait("the match", |window| !driving::shows(window, "Matching"));
     person.click("ellipsoid-by-hand");
     fill(&mut person, "semi-axes/x", "2.5");
@@ -280,9 +278,7 @@ fn a_cancelled_solve_is_not_asked_for_again() {
 #[test]
 fn the_camera_comes_forward_again_when_an_exaggeration_is_undone() {
     let desk = Desk::new();
-    let mut person = desk.sit_down(&["shape.obj"]);
-    person.wait_to_see("Layers");
-    person.add_layer("ellipsoid");
+    let mut person = desk.with_layers(&["ellipsoid"]);
     person.wait_to_see("No folds");
     person.slide("μ", -0.5);
     person.0.run_steps(5);
