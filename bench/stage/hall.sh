@@ -1,7 +1,7 @@
 # Sourced by measurements of the window on a machine without a screen: finds or builds the program as $chladni, and
 # opens a virtual screen and a null sink, in a $folder that goes at the end. $needs names the programs it takes.
 # shellcheck shell=bash
-for program in Xvfb pulseaudio pactl sox $needs; do
+for program in Xvfb pulseaudio pactl $needs; do
   command -v "$program" > /dev/null || { echo "$program is missing" >&2; exit 1; }
 done
 [ -n "${CHLADNI:-}" ] || cargo build --release --quiet -p chladni-program

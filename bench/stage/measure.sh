@@ -7,7 +7,7 @@
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-60}
-needs=parec screen=1320x820
+needs="parec sox" screen=1320x820
 . bench/stage/hall.sh
 
 # A song without a pause: noise that swells, longer than it is listened to.

@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|text: &str| chladni_fuzz::arguments(text));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| chladni_fuzz::arguments(bytes));

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use chladni_mesh::{Estimate, Known};
+use chladni_harmonics::Body;
+use chladni_mesh::{Estimate, Known, Orientation};
 use chladni_music::{
     Action, Bands, Beat, Choir, Dancer, Ensemble, Form, GalleryShape, Instrument, Moment, Parameter,
-    Resonators, Ringing, Switch, Symmetry,
+    Resonators, Ringing, Switch, Symmetry, SymmetrySettings,
 };
 use chladni_synth::{CpuSynthesizer, FrameSettings, SynthModel, Synthesizer};
 use chladni_task::Task;
@@ -13,11 +14,25 @@ use chladni_task::Task;
 use crate::pipeline::{Geometry, body_of};
 use crate::random::Random;
 
-/// A small mesh, the knobs of its dance, and what it hears.
+/// A small mesh, and its dance.
 #[derive(Debug)]
 pub struct Dance {
     geometry: Geometry,
     harmonics: u8,
+    score: Score,
+}
+
+impl Dance {
+    /// One at random.
+    pub fn random(random: &mut Random) -> Self {
+        let geometry = Geometry::random(random);
+        Self { geometry, harmonics: random.byte() % 40, score: Score::random(random) }
+    }
+}
+
+/// The knobs of a dance, and what it hears.
+#[derive(Debug)]
+pub(crate) struct Score {
     seed: u8,
     form: u8,
     choir: u8,
@@ -29,12 +44,10 @@ pub struct Dance {
     sound: Vec<[u8; 2]>,
 }
 
-impl Dance {
+impl Score {
     /// One at random.
     pub fn random(random: &mut Random) -> Self {
         Self {
-            geometry: Geometry::random(random),
-            harmonics: random.byte() % 40,
             seed: random.byte(),
             form: random.byte(),
             choir: random.byte(),
@@ -44,39 +57,47 @@ impl Dance {
             sound: (0..random.below(20)).map(|_| [random.byte(), random.byte()]).collect(),
         }
     }
+
+    fn actions(&self) -> impl Iterator<Item = Action> {
+        let forms = [Form::Filter, Form::Modal, Form::HalfMask];
+        let choirs = [Choir::All, Choir::Symmetric, Choir::Antisymmetric];
+        let knobs = self.knobs.iter().map(|[knob, share]| {
+            let parameter = Parameter::ALL[usize::from(*knob) % Parameter::ALL.len()];
+            Action::Set { parameter, value: parameter.at_share(f32::from(*share) / 255.0) }
+        });
+        let switches = self.switches.iter().map(|(switch, on)| Action::Switch {
+            switch: Switch::ALL[usize::from(*switch) % Switch::ALL.len()],
+            on: *on,
+        });
+        let form = Action::SetForm { form: forms[usize::from(self.form) % 3] };
+        let choir = Action::SetChoir { choir: choirs[usize::from(self.choir) % 3] };
+        knobs.chain(switches).chain([form, choir])
+    }
 }
 
 /// Lets a shape dance, with all knobs where they are set.
 pub fn dance(dance: Dance) {
     let Some(mesh) = dance.geometry.mesh() else { return };
     let Some(body) = body_of(&mesh, dance.harmonics) else { return };
-    let task = Task::new();
-    let stands = Estimate::of(&mesh, Known::default(), &task).expect("nobody cancels").orientation;
-    let Ok(symmetry) = Symmetry::of(&body, &task) else { return };
-    let dancer = Dancer::new(&body, &symmetry.classes, &stands).expect("one class for each harmonic");
-    let bands = usize::from(dance.bands % 40).max(1);
+    let stands = Estimate::of(&mesh, Known::default(), &Task::new()).expect("nobody cancels").orientation;
+    perform(&dance.score, &body, &stands, &SymmetrySettings::default());
+}
+
+/// Lets `body`, which `stands` so, dance by `score`.
+pub(crate) fn perform(score: &Score, body: &Body, stands: &Orientation, symmetry: &SymmetrySettings) {
+    let Ok(symmetry) = Symmetry::with(body, symmetry, &Task::new()) else { return };
+    let dancer = Dancer::new(body, &symmetry.classes, stands).expect("one class for each harmonic");
+    let bands = usize::from(score.bands % 40).max(1);
     let shape = GalleryShape { eigenvalues: body.basis.eigenvalues.clone(), bands };
-    let Ok(mut instrument) = Instrument::new(dance.seed.into(), 6, shape) else { return };
-    let forms = [Form::Filter, Form::Modal, Form::HalfMask];
-    let choirs = [Choir::All, Choir::Symmetric, Choir::Antisymmetric];
-    let knobs = dance.knobs.iter().map(|[knob, share]| {
-        let parameter = Parameter::ALL[usize::from(*knob) % Parameter::ALL.len()];
-        Action::Set { parameter, value: parameter.at_share(f32::from(*share) / 255.0) }
-    });
-    let switches = dance.switches.iter().map(|(switch, on)| Action::Switch {
-        switch: Switch::ALL[usize::from(*switch) % Switch::ALL.len()],
-        on: *on,
-    });
-    let form = Action::SetForm { form: forms[usize::from(dance.form) % 3] };
-    let choir = Action::SetChoir { choir: choirs[usize::from(dance.choir) % 3] };
-    for action in knobs.chain(switches).chain([form, choir]) {
+    let Ok(mut instrument) = Instrument::new(score.seed.into(), 6, shape) else { return };
+    for action in score.actions() {
         instrument.apply(Moment::default(), action).expect("within its range");
     }
     let mut ensemble = Ensemble::new(Arc::new(dancer));
-    let Ok(model) = SynthModel::new(&body) else { return };
+    let Ok(model) = SynthModel::new(body) else { return };
     let mut synthesizer = CpuSynthesizer::new(model);
     let (mut resonators, mut bank) = (None, Levels::default());
-    for (frame, levels) in dance.sound.iter().enumerate() {
+    for (frame, levels) in score.sound.iter().enumerate() {
         bank.set(*levels, bands);
         let timbre = instrument.parameters().timbre();
         Resonators::follow(&mut resonators, timbre.as_ref(), bands);

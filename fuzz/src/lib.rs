@@ -1,12 +1,26 @@
 //! What must hold whatever the bytes are. The test suites hold the same on mutations of a few files
 //! (`bad_input.rs` of chladni-mesh, `decoding.rs` of chladni-sound); here libFuzzer looks for the bytes.
 
+mod base64;
+mod control;
 mod dance;
 mod documents;
+mod export;
+mod extreme;
+mod gltf_graph;
+mod gltf_parts;
+mod json;
+mod lists;
+mod mp4;
+mod ogg;
 mod pipeline;
 mod program;
 mod random;
+mod riff;
+mod stated;
+mod whole;
 
+use std::cell::Cell;
 use std::path::Path;
 
 use chladni_harmonics::npz::numbers_in;
@@ -15,11 +29,20 @@ use chladni_sound::{Song, SongOptions, SongReader};
 use chladni_task::Task;
 use peak_alloc::PeakAlloc;
 
+pub use base64::base64;
+pub use control::messages;
 pub use dance::{Dance, dance};
-pub use documents::{bindings, landmarks, messages, preset, project, show};
+pub use documents::{bindings, landmarks, preset, project, show};
+pub use extreme::{ExtremeMesh, extreme_mesh};
+pub use gltf_graph::{GltfGraph, gltf_graph};
+pub use lists::lists;
+pub use mp4::{Mp4, mp4};
+pub use ogg::{Ogg, ogg};
 pub use pipeline::{Pair, Shape, pair, pipeline};
 pub use program::{STORED, arguments, cache, mask_mesh, panorama, picture, settings, stored};
 pub use random::Random;
+pub use riff::{Riff, riff};
+pub use whole::{FORMATS, whole, whole_dance};
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
@@ -28,9 +51,14 @@ const MIB: usize = 1 << 20;
 
 /// Reads `length` bytes, which may take `each` bytes of memory for each of them, and `more` besides.
 fn within<T>(length: usize, each: usize, more: usize, read: impl FnOnce() -> T) -> T {
+    within_all(each, more, || (read(), length))
+}
+
+/// The same, where the number of bytes is known only when they are read.
+fn within_all<T>(each: usize, more: usize, read: impl FnOnce() -> (T, usize)) -> T {
     MEMORY.reset_peak_usage();
     let before = MEMORY.current_usage();
-    let result = read();
+    let (result, length) = read();
     let peak = MEMORY.peak_usage().saturating_sub(before);
     assert!(peak <= each * length + more, "{peak} bytes of memory to read {length} bytes");
     result
@@ -38,21 +66,38 @@ fn within<T>(length: usize, each: usize, more: usize, read: impl FnOnce() -> T) 
 
 /// Reads a mesh, and where that works checks what the types promise.
 pub fn mesh(bytes: &[u8], format: Format) {
-    // Of glTF, instances and accessors of zeros cost the file nothing; only `-rss_limit_mb` bounds them here.
-    let is_gltf = matches!(format, Format::Gltf | Format::Glb);
-    let (each, more) = if is_gltf { (256, 1 << 30) } else { (64, MIB) };
-    let read = within(bytes.len(), each, more, || read_mesh(bytes, format));
-    if let Ok(loaded) = read {
+    let (each, more) = memory(format);
+    mesh_within(bytes, format, each, more);
+}
+
+/// The bytes of memory that `read_mesh` promises to take at most for each byte of a file, and besides.
+fn memory(format: Format) -> (usize, usize) {
+    match format {
+        // Instances and accessors of zeros cost the file nothing; only `-rss_limit_mb` bounds them here.
+        Format::Gltf | Format::Glb => (256, 1 << 30),
+        _ => (64, MIB),
+    }
+}
+
+fn mesh_within(bytes: &[u8], format: Format, each: usize, more: usize) {
+    if let Ok(loaded) = within(bytes.len(), each, more, || read_mesh(bytes, format)) {
         promised(&loaded);
     }
 }
 
 /// Reads an OBJ or glTF file, and the file that it names, from one input: what follows the first line of `----` is the
-/// content of every file that is named.
+/// content of every file that is named. The bounds of memory are those of a mesh without such files, where a file counts
+/// each time that it is asked for.
 pub fn mesh_beside(bytes: &[u8], format: Format) {
     let (own, beside) = divided(bytes);
-    let beside = |_: &str| Ok(beside.to_vec());
-    if let Ok(loaded) = read_mesh_beside(own, format, &beside) {
+    let (each, more) = memory(format);
+    let length = Cell::new(own.len());
+    let beside = |_: &str| {
+        length.set(length.get() + beside.len());
+        Ok(beside.to_vec())
+    };
+    let read = within_all(each, more, || (read_mesh_beside(own, format, &beside), length.get()));
+    if let Ok(loaded) = read {
         promised(&loaded);
     }
 }

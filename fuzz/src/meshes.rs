@@ -3,6 +3,7 @@
 
 use std::error::Error;
 
+use chladni_fuzz::base64;
 use chladni_mesh::{Format, TriMesh, read_mesh_beside, write_mesh};
 use chladni_view::Picture;
 
@@ -130,16 +131,4 @@ fn chunks(glb: &[u8]) -> Option<(&str, &[u8])> {
     let json = glb.get(20..20 + length(12)?)?;
     let data = 20 + json.len();
     Some((std::str::from_utf8(json).ok()?, glb.get(data + 8..data + 8 + length(data)?)?))
-}
-
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let four = |three: &[u8]| {
-        let bits = (0..3).fold(0_u32, |bits, i| bits << 8 | u32::from(three.get(i).copied().unwrap_or(0)));
-        let digit = |i: usize| {
-            if i > three.len() { '=' } else { char::from(DIGITS[(bits >> (18 - 6 * i) & 63) as usize]) }
-        };
-        [0, 1, 2, 3].map(digit)
-    };
-    bytes.chunks(3).flat_map(four).collect()
 }

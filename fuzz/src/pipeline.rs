@@ -5,11 +5,13 @@ use std::sync::Arc;
 use arbitrary::Arbitrary;
 use chladni_caricature::{Layer, Model, Project, ScaleCurve, ShapeSource, Stack, Template};
 use chladni_harmonics::{BasisSettings, Body};
-use chladni_match::{Landmark, MatchSettings, Method, Scaling, match_shapes};
-use chladni_mesh::{Format, HealthReport, TriMesh, read_mesh, write_mesh};
+use chladni_match::{Landmark, Match, MatchSettings, Method, Scaling, match_shapes};
+use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;
 
+use crate::export::exported;
 use crate::random::Random;
+use crate::{MIB, within};
 
 /// A mesh that is valid except perhaps for its shape.
 #[derive(Arbitrary, Debug)]
@@ -69,8 +71,14 @@ pub struct Shape {
 /// Reports on, solves, exaggerates and writes `shape`.
 pub fn pipeline(shape: Shape) {
     let Some(mesh) = shape.geometry.mesh() else { return };
-    assert!(HealthReport::of(&mesh).area.is_finite());
-    let Some(body) = body_of(&mesh, shape.harmonics) else { return };
+    // 16 KiB for each vertex and triangle: a row of 64 harmonics takes half a kibibyte, and the solver holds some such rows,
+    // as do the layer and the four formats that are written. The rest is for the pool of threads and what is made once.
+    within(mesh.positions.len() + mesh.triangles.len(), 16 << 10, 32 * MIB, || caricature(&shape, &mesh));
+}
+
+fn caricature(shape: &Shape, mesh: &TriMesh) {
+    assert!(HealthReport::of(mesh).area.is_finite());
+    let Some(body) = body_of(mesh, shape.harmonics) else { return };
     let Ok(mut stack) = Stack::new(body.clone()) else { return };
     let template = match shape.template % 4 {
         0 => Template::Ellipsoid,
@@ -89,25 +97,22 @@ pub fn pipeline(shape: Shape) {
     if project.push(layer).is_err() {
         return;
     }
-    exaggerate(&mut stack, &project, &mesh, None);
+    exaggerate(&mut stack, &project, mesh, None);
 }
 
-/// Matches what `project` needs, evaluates it, and writes and reads the result.
+/// Matches what `project` needs, evaluates it, and writes and reads the result in each format.
 fn exaggerate(stack: &mut Stack, project: &Project, mesh: &TriMesh, template: Option<&TriMesh>) {
     let body = stack.body().clone();
     for request in stack.missing(project) {
         let matched = request.run(mesh, &body, template, &Task::new());
         stack.install(request, matched);
     }
-    let positions = stack.evaluate(project).result.positions.clone();
+    let evaluation = stack.evaluate(project);
+    let positions = &evaluation.result.positions;
     assert_eq!(positions.len(), body.positions.len());
     assert!(positions.iter().flatten().all(|x| x.is_finite()), "a caricature has coordinates");
-    let exported = TriMesh { positions, triangles: body.triangles.clone(), ..TriMesh::default() };
-    let bytes = write_mesh(&exported, Format::Ply).expect("what was made can be written");
-    assert_eq!(
-        read_mesh(&bytes, Format::Ply).expect("and read").mesh.positions.len(),
-        exported.positions.len()
-    );
+    let positions = evaluation.file_positions(&body, &mesh.positions);
+    exported(&TriMesh { positions, ..mesh.clone() });
 }
 
 /// Two small meshes, and how they are matched.
@@ -146,7 +151,7 @@ impl Pair {
     }
 }
 
-/// Matches a shape with another, checks what the match promises, and exaggerates the difference.
+/// Matches two shapes, and exaggerates their difference.
 pub fn pair(pair: Pair) {
     let (Some(mesh), Some(template)) = (pair.shape.mesh(), pair.template.mesh()) else { return };
     let landmarks = pair.landmarks.iter().map(|pair| {
@@ -159,8 +164,24 @@ pub fn pair(pair: Pair) {
         seed: pair.seed.into(),
         scaling: if pair.is_rigid { Scaling::Rigid } else { Scaling::default() },
     };
-    let Ok(found) = match_shapes(&mesh, &template, &matching, &Task::new()) else { return };
-    let (report, found) = (found.report, found.correspondence);
+    contrast(&mesh, &template, matching, pair.harmonics, f64::from(pair.mu) / 16.0);
+}
+
+/// Matches a shape with another, checks what the match promises, and exaggerates the difference.
+pub(crate) fn contrast(mesh: &TriMesh, template: &TriMesh, matching: MatchSettings, harmonics: u8, mu: f64) {
+    let Ok(found) = match_shapes(mesh, template, &matching, &Task::new()) else { return };
+    kept_promises(&found, mesh, template);
+    let Some(body) = body_of(mesh, harmonics) else { return };
+    let Ok(mut stack) = Stack::new(body.clone()) else { return };
+    let mut project = Project::new(ShapeSource::Sample("fuzz".into()), body.basis.harmonics());
+    let layer = Layer::new("fuzz", Template::Sample("template".into()));
+    if project.push(Layer { mu, matching, ..layer }).is_ok() {
+        exaggerate(&mut stack, &project, mesh, Some(template));
+    }
+}
+
+fn kept_promises(found: &Match, mesh: &TriMesh, template: &TriMesh) {
+    let (report, found) = (&found.report, &found.correspondence);
     assert!(found.point.iter().chain(&found.target).flatten().all(|x| x.is_finite()));
     assert!(found.confidence.iter().all(|trust| (0.0..=1.0).contains(trust)));
     assert_eq!((found.point.len(), found.target.len()), (mesh.positions.len(), mesh.positions.len()));
@@ -172,12 +193,4 @@ pub fn pair(pair: Pair) {
     let measures = [report.median_distance, report.p95_distance, report.coverage, report.mean_confidence];
     assert!(measures.iter().all(|measure| measure.is_finite() && *measure >= 0.0), "{report:?}");
     assert!(!report.stretch.is_nan());
-    let Some(body) = body_of(&mesh, pair.harmonics) else { return };
-    let Ok(mut stack) = Stack::new(body.clone()) else { return };
-    let mut project = Project::new(ShapeSource::Sample("fuzz".into()), body.basis.harmonics());
-    let layer = Layer::new("fuzz", Template::Sample("template".into()));
-    let layer = Layer { mu: f64::from(pair.mu) / 16.0, matching, ..layer };
-    if project.push(layer).is_ok() {
-        exaggerate(&mut stack, &project, &mesh, Some(&template));
-    }
 }

@@ -1,11 +1,12 @@
 //! What the program reads besides shapes and songs: pictures, masks, preferences, its arguments, and what it has put aside.
 
+use std::ffi::OsString;
 use std::path::Path;
 use std::sync::LazyLock;
 
 use chladni_harmonics::npz::StoredBasis;
 use chladni_harmonics::{BasisCache, BasisSettings, Body, BuildReport};
-use chladni_mesh::{TriMesh, samples};
+use chladni_mesh::{Format, TriMesh, samples};
 use chladni_program::cli;
 use chladni_program::studio::Settings;
 use chladni_program::work::{Subject, mask};
@@ -13,7 +14,8 @@ use chladni_task::Task;
 use chladni_view::{Panorama, Picture};
 use tempfile::TempDir;
 
-use crate::{MIB, divided, within};
+use crate::documents::OF_TOML;
+use crate::{MIB, divided, memory, within};
 
 /// The most memory that each byte of a picture or mask takes.
 const EACH: usize = 64;
@@ -22,7 +24,7 @@ const OF_PICTURES: usize = 768 * MIB;
 /// As floating-point numbers, a panorama takes twelve bytes a pixel.
 const OF_PANORAMAS: usize = 1024 * MIB;
 
-/// A picture that stands behind a shape.
+/// A picture that stands behind a shape. The textures of meshes are decoded by the same functions.
 pub fn picture(bytes: &[u8]) {
     let read = within(bytes.len(), EACH, OF_PICTURES, || Picture::decode(bytes));
     let Ok(picture) = read else { return };
@@ -40,32 +42,52 @@ pub fn panorama(bytes: &[u8]) {
     let _ = within(bytes.len(), EACH, OF_PANORAMAS, || Panorama::decode(bytes));
 }
 
-/// A mask, as an attribute or the colors of a PLY mesh of twelve vertices; what is read is written and read back as the same.
+/// A mask for a shape of twelve vertices, in a file whose ending the first byte chooses; what is read is written and read
+/// back, as the same where the file holds the numbers themselves.
 pub fn mask_mesh(bytes: &[u8]) {
     static SHAPE: LazyLock<Subject> = LazyLock::new(|| samples::icosphere(0).into());
-    let read = |bytes: &[u8]| mask::read_in(Path::new("mask.ply"), bytes, &SHAPE);
-    let Ok(painted) = within(bytes.len(), EACH, MIB, || read(bytes)) else { return };
-    let (written, masked) = mask::to_bytes("ply", &painted, &SHAPE).expect("what was read can be written");
-    assert!(masked.inside <= masked.vertices);
-    assert_eq!(read(&written).expect("what was written can be read"), painted);
+    let Some((first, bytes)) = bytes.split_first() else { return };
+    let endings = mask::READ.iter().chain(&["gltf", "stl", "mesh"]).collect::<Vec<_>>();
+    let ending = endings[usize::from(*first) % endings.len()];
+    let read =
+        |ending: &str, bytes: &[u8]| mask::read_in(Path::new(&format!("mask.{ending}")), bytes, &SHAPE);
+    let (each, more) = Format::from_extension(ending).map_or((EACH, MIB), memory);
+    let Ok(painted) = within(bytes.len(), each, more, || read(ending, bytes)) else { return };
+    for ending in mask::WRITTEN {
+        let (written, masked) =
+            mask::to_bytes(ending, &painted, &SHAPE).expect("what was read can be written");
+        assert!(masked.inside <= masked.vertices);
+        let again = read(ending, &written).expect("what was written can be read");
+        // Colors have eight bits.
+        assert!(again == painted || matches!(ending, "obj" | "glb"));
+    }
 }
 
 /// A file of preferences.
 pub fn settings(text: &str) {
-    // Where a value is not understood, all become tables of their own.
-    let Ok(settings) = within(text.len(), 1024, MIB, || Settings::from_text(text)) else { return };
+    let Ok(settings) = within(text.len(), OF_TOML, MIB, || Settings::from_text(text)) else { return };
     assert!((0.5..=3.0).contains(&settings.zoom) && settings.harmonics >= 2);
     let written = settings.to_text().expect("what was read can be written");
     assert_eq!(Settings::from_text(&written).expect("what was written can be read"), settings);
 }
 
-/// A command line, an argument a line.
-pub fn arguments(text: &str) {
-    let arguments = std::iter::once("chladni").chain(text.lines());
-    if let Err(error) = cli::understand(arguments) {
-        let line = error.to_string();
-        assert!(!line.is_empty() && error.is_of_input());
+/// A command line, an argument a line; on Unix, arguments need not be text.
+pub fn arguments(bytes: &[u8]) {
+    let lines = bytes.split(|byte| *byte == b'\n');
+    let arguments = std::iter::once(OsString::from("chladni")).chain(lines.map(argument));
+    // The commands and their options take some MiB, whatever is asked.
+    let understood = within(bytes.len(), 1024, 16 * MIB, || cli::understand(arguments));
+    if let Err(error) = understood {
+        assert!(!error.to_string().is_empty() && error.is_of_input());
     }
+}
+
+fn argument(bytes: &[u8]) -> OsString {
+    #[cfg(unix)]
+    let argument = <std::ffi::OsStr as std::os::unix::ffi::OsStrExt>::from_bytes(bytes).to_owned();
+    #[cfg(not(unix))]
+    let argument = String::from_utf8_lossy(bytes).into_owned().into();
+    argument
 }
 
 /// A cache with one entry.
@@ -103,7 +125,7 @@ pub fn cache(bytes: &[u8]) {
     SHELF.with(|Shelf { cache, entry, mesh, solved, .. }| {
         for content in [bytes, &whole] {
             std::fs::write(entry, content).expect("room for an entry");
-            let (body, report) = look_up(mesh, cache);
+            let (body, report) = within(bytes.len(), 4, 2 * MIB, || look_up(mesh, cache));
             assert_eq!(body.basis.vectors.len(), body.basis.harmonics() * body.basis.vertices());
             assert_eq!(body.basis.vertices(), solved.basis.vertices());
             if !report.cached {

@@ -1,5 +1,8 @@
-//! Writes the small good files that the fuzzer starts from: `cargo run --bin seeds -- seeds` in this folder.
+//! Writes the small good files that the fuzzer starts from: `cargo run --bin seeds -- seeds` in this folder. Songs are
+//! written by `scripts/fuzz_songs`; lists, messages, bindings and preferences of many kinds, and pictures of other programs
+//! lie there as they are.
 
+mod command_lines;
 mod meshes;
 
 use std::error::Error;
@@ -11,12 +14,13 @@ use chladni_fuzz::STORED;
 use chladni_harmonics::npz::{npy_of, write_basis_folder, write_npz};
 use chladni_harmonics::{BasisCache, BasisSettings, Body};
 use chladni_mesh::{Format, samples, write_mesh};
-use chladni_music::{Action, GalleryShape, Instrument, Moment, Parameter, Show, repertoire};
+use chladni_music::{Action, Form, GalleryShape, Instrument, Moment, Parameter, Show, repertoire};
 use chladni_program::studio::Settings;
 use chladni_program::work::{Subject, mask};
 use chladni_sound::{Song, WavSample, wav_bytes};
 use chladni_task::Task;
 use chladni_view::Picture;
+use command_lines::COMMAND_LINES;
 use meshes::NamedSeed;
 
 const OFF: &str = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
@@ -43,8 +47,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     save("off", "tetrahedron", OFF.as_bytes())?;
     save("medit", "tetrahedron", MEDIT.as_bytes())?;
     save("gltf", "strip", GLTF.as_bytes())?;
-    // A quarter of a second: small files are mutated more thoroughly.
-    let wave = |hz: f32| (0..2000).map(|n| (n as f32 * hz / 8000.0 * std::f32::consts::TAU).sin()).collect();
+    // Small files are mutated more thoroughly.
+    let wave = |hz: f32| (0..300).map(|n| (n as f32 * hz / 8000.0 * std::f32::consts::TAU).sin()).collect();
     let song = Song { rate_hz: 8000, left: wave(300.0), right: wave(500.0) };
     for (name, bytes) in documents()? {
         save(name, "good", &bytes)?;
@@ -52,11 +56,33 @@ fn main() -> Result<(), Box<dyn Error>> {
     let archive = Path::new(&corpus).join("numbers/mask.npz");
     save("numbers", "mask.npz", b"")?;
     write_npz(&archive, |npz| npz.array("mask", &[3], [0.0f32, 0.25, 1.0]))?;
-    save("song", "int.wav", &wav_bytes(&song, WavSample::Int16)?)?;
-    save("song", "float.wav", &wav_bytes(&song, WavSample::Float32)?)?;
+    save("song_wav", "int.wav", &wav_bytes(&song, WavSample::Int16)?)?;
+    save("song_wav", "float.wav", &wav_bytes(&song, WavSample::Float32)?)?;
     save("numbers", "mask.npy", &npy_of(&[0.0, 0.25, 1.0])?)?;
     for (target, name, bytes) in of_the_program()?.into_iter().chain(meshes::meshes()?) {
         save(target, name, &bytes)?;
+    }
+    whole(Path::new(&corpus))
+}
+
+/// The seeds of meshes again, after the byte that says which format follows, for the targets that hand on what was read.
+fn whole(corpus: &Path) -> Result<(), Box<dyn Error>> {
+    /// The length of the names that libFuzzer gives to what it finds.
+    const FOUND: usize = 40;
+    // In the order of `chladni_fuzz::FORMATS`.
+    for (format, target) in (0_u8..).zip(["obj", "ply", "off", "stl", "gltf", "glb", "medit"]) {
+        for seed in fs::read_dir(corpus.join(target))? {
+            let seed = seed?;
+            let name = seed.file_name().into_string().map_err(|name| format!("{}", name.display()))?;
+            if name.len() == FOUND {
+                continue;
+            }
+            let bytes = [&[format][..], &fs::read(seed.path())?].concat();
+            for whole in ["whole", "whole_dance"] {
+                fs::create_dir_all(corpus.join(whole))?;
+                fs::write(corpus.join(whole).join(format!("{target}_{name}")), &bytes)?;
+            }
+        }
     }
     Ok(())
 }
@@ -85,19 +111,22 @@ fn of_the_program() -> Result<Vec<NamedSeed>, Box<dyn Error>> {
     let arrays = arrays.into_iter().collect::<Result<Vec<_>, _>>()?;
     let mut settings = Settings { zoom: 1.25, ..Settings::default() };
     settings.remember(Path::new("/somewhere/head.chladni"));
-    let film = "dance\nsample:octopus\nsong.flac\n-o\nout.mp4\n--size\n640x360\n--set\ngain=0.5\n";
-    let layers = "caricature\nhead.obj\nsphere\n--mu\n-2.5\n-o\nout.ply\n";
-    Ok(vec![
+    let lines = COMMAND_LINES.map(|(name, line)| ("arguments", name, line.replace(' ', "\n").into_bytes()));
+    // The first byte chooses the ending, in the order of `mask::READ`.
+    let masks = ["npy", "npz", "ply", "obj"].into_iter().zip(0_u8..).map(|(ending, first)| {
+        let bytes = mask::to_bytes(ending, &painted_half, &shape)?.0;
+        Ok::<_, chladni_program::work::Error>(("mask_mesh", ending, [&[first][..], &bytes].concat()))
+    });
+    let masks = masks.collect::<Result<Vec<_>, _>>()?;
+    let others = vec![
         ("picture", "colors.png", colors.to_png()?),
         ("panorama", "colors.png", colors.to_png()?),
         ("panorama", "light.hdr", hdr),
-        ("mask_mesh", "ramp.ply", mask::to_bytes("ply", &painted_half, &shape)?.0),
         ("settings", "good", settings.to_text()?.into_bytes()),
-        ("arguments", "film", film.into()),
-        ("arguments", "layers", layers.into()),
         ("cache", "good", fs::read(entry)?),
         ("stored", "good", arrays.join(&b"\n----\n"[..])),
-    ])
+    ];
+    Ok(others.into_iter().chain(lines).chain(masks).collect())
 }
 
 /// A target and what it starts from.
@@ -111,10 +140,22 @@ fn documents() -> Result<Vec<Seed>, Box<dyn Error>> {
     project.push(layer)?;
     let shape = GalleryShape { eigenvalues: (0..16).map(f64::from).collect(), bands: 8 };
     let mut instrument = Instrument::new(7, 6, shape)?;
-    instrument.apply(Moment::default(), Action::Set { parameter: Parameter::StereoMu, value: 0.5 })?;
+    for action in [
+        Action::Set { parameter: Parameter::StereoMu, value: 0.5 },
+        Action::Choose { item: 1, on: true },
+        Action::Choose { item: 2, on: true },
+        Action::Breed,
+        Action::Lock { item: 0, on: true },
+        Action::Rename { item: 3, name: "tide".into() },
+        Action::SetForm { form: Form::Modal },
+        Action::SetHarmonics { harmonics: 8 },
+        Action::Mutate { item: 4, amount: 0.5 },
+        Action::Perform { item: 3 },
+    ] {
+        instrument.apply(Moment::default(), action)?;
+    }
     let presets = repertoire()?;
     let preset = presets.first().ok_or("there is a repertoire")?;
-    let binding = "format_version = 3\n[[binding]]\ncontrol = { kind = \"controller\", channel = 0, number = 7 }\ntarget = \"gain\"\n";
     let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n----\nnewmtl m\nKd 1 0 0\nmap_Kd a.png\n";
     let packet = [&[16][..], b"/beat\0\0\0,f\0\0\x3f\x80\0\0"].concat();
     let midi: [&[u8]; 5] = [&[3, 0xb0, 7, 64], &[3, 0x90, 36, 100], &[1, 0xf8], &[3, 0xf2, 1, 2], &packet];
@@ -125,7 +166,6 @@ fn documents() -> Result<Vec<Seed>, Box<dyn Error>> {
         ("project", project.to_text(Path::new("/somewhere/file"), None)?.into_bytes()),
         ("show", Show::of(&instrument).to_text()?.into_bytes()),
         ("preset", preset.to_text()?.into_bytes()),
-        ("bindings", binding.into()),
         ("landmarks", b"# shape template\n0 1\n5 7\n".to_vec()),
         ("messages", midi.concat()),
         ("obj_mtl", obj.into()),

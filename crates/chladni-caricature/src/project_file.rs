@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use chladni_harmonics::Laplacian;
 use chladni_match::MatchSettings;
 use chladni_mesh::{MeshError, Orientation};
-use chladni_task::{newer, read_file};
+use chladni_task::{asks_another_machine, folder_of, newer, read_file};
 use serde::{Deserialize, Serialize};
 
-use self::paths::{relative_text, resolved};
+use self::paths::{relative_text, resolved, whole};
 use crate::layer::DEFAULT_MU;
 use crate::migration::{FORMAT_VERSION, USUAL_VERSION, migrate};
 use crate::project::DEFAULT_HARMONICS;
@@ -134,7 +134,7 @@ impl Project {
     ///
     /// # Errors
     /// A file that cannot be read, that is not a valid project (with line and column where known), or that a newer
-    /// program wrote.
+    /// program wrote; one that names a file of [another machine](asks_another_machine), which is not looked for.
     pub fn load(path: &Path) -> Result<Self, CaricatureError> {
         let bytes = read_file(path, MOST_BYTES)
             .map_err(|source| CaricatureError::Io { path: path.into(), source })?;
@@ -143,15 +143,35 @@ impl Project {
             why: "is no text, so it is not a Chladni project".into(),
         };
         let text = String::from_utf8(bytes).map_err(|_| no_text())?;
-        Ok(Self::from_text(&text, path)?.0)
+        let project = Self::from_text(&text, path)?.0;
+        project.check_near(path)?;
+        Ok(project)
+    }
+
+    /// Checks that a project at `path` names no file of [another machine](asks_another_machine): one would not be read.
+    ///
+    /// # Errors
+    /// [`CaricatureError::ProjectFile`] with the file that it names.
+    pub fn check_near(&self, path: &Path) -> Result<(), CaricatureError> {
+        let place = whole(path);
+        let far = self.files().into_iter().find(|file| asks_another_machine(file, folder_of(&place)));
+        far.map_or(Ok(()), |file| {
+            let why = format!(
+                "names {}, and a project reads files of another machine only from the share that it lies on: connect that \
+                 share as a drive, or keep them together",
+                file.display()
+            );
+            Err(CaricatureError::ProjectFile { path: path.into(), why })
+        })
     }
 
     /// Writes the project to `path`: readers see the old file or the whole new one, whatever
     /// happens to this process meanwhile.
     ///
     /// # Errors
-    /// As [`to_text`](Self::to_text), or an error of the system.
+    /// As [`check_near`](Self::check_near) and [`to_text`](Self::to_text), or an error of the system.
     pub fn save(&self, path: &Path) -> Result<(), CaricatureError> {
+        self.check_near(path)?;
         let text = self.to_text(path, None)?;
         chladni_task::write_atomic(path, text.as_bytes())
             .map_err(|source| CaricatureError::Io { path: path.into(), source })

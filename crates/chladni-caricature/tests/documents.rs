@@ -6,6 +6,7 @@ mod bodies;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, SystemTime};
 
 use chladni_caricature::*;
 use chladni_harmonics::Laplacian;
@@ -374,6 +375,29 @@ fn a_dead_session_is_found_and_a_living_one_is_not() {
     found[0].discard();
     second.finish();
     assert_eq!(std::fs::read_dir(&state).unwrap().count(), 0);
+}
+
+#[test]
+fn copies_of_any_date_are_found_the_newest_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let now = SystemTime::now();
+    let dates = [now, now + Duration::from_secs(1 << 25), SystemTime::UNIX_EPOCH];
+    for (id, written) in (1..).zip(dates) {
+        let session = Recovery::start(folder.path(), id).unwrap();
+        session.keep(&empty(), Some(&folder.path().join(format!("{id}.chladni")))).unwrap();
+        drop(session);
+        let copies = Recovery::find(folder.path()).0.into_iter();
+        let own = format!("{id}.chladni");
+        let copy = copies.filter(|found| found.original.as_ref().is_some_and(|path| path.ends_with(&own)));
+        for Recovered { copy, .. } in copy {
+            std::fs::File::options().write(true).open(copy).unwrap().set_modified(written).unwrap();
+        }
+    }
+    let (found, unreadable) = Recovery::find(folder.path());
+    assert!(unreadable.is_empty());
+    let originals = found.into_iter().map(|found| found.original.unwrap());
+    let names: Vec<_> = originals.map(|path| path.file_name().unwrap().to_owned()).collect();
+    assert_eq!(names, ["2.chladni", "1.chladni", "3.chladni"]);
 }
 
 #[test]

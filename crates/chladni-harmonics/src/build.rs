@@ -13,7 +13,7 @@ use crate::platform::Instant;
 use crate::threads::on_threads;
 use crate::{
     Basis, BasisCache, BasisSettings, Body, BuildReport, Certificate, ConsistentPencil, Eigenpairs,
-    HarmonicsError, Laplacian, Operator, Pencil, Values,
+    HarmonicsError, Laplacian, Operator, Pencil, Values, memory,
 };
 
 impl Body {
@@ -193,6 +193,8 @@ fn built(
             basis
         }
         None => {
+            // The operator takes a while, too.
+            memory::room_for_solve(vertices, 1, 1, settings)?;
             let basis = solved(&domain, operator, settings, &mut report, task)?;
             if let Some(Err(warning)) = entry.map(|entry| entry.write(&basis, report.cuts_cluster)) {
                 report.cache_warning = Some(warning.to_string());

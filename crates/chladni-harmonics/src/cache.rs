@@ -53,18 +53,23 @@ impl BasisCache {
     }
 
     pub(crate) fn entry(&self, domain: &Domain, settings: &BasisSettings) -> CacheEntry {
-        let mut hash = blake3::Hasher::new();
-        hash.update(&VERSION.to_le_bytes());
-        hash.update(&(settings.harmonics as u64).to_le_bytes());
-        hash.update(&[u8::from(settings.whole_clusters)]);
-        hash.update(settings.laplacian.to_string().as_bytes());
-        hash.update(&(domain.positions.len() as u64).to_le_bytes());
-        hash.update(bytemuck::cast_slice(&domain.positions));
-        hash.update(bytemuck::cast_slice(&domain.triangles));
         let laplacian = settings.laplacian;
-        let path = self.folder.join(format!("{}.basis", hash.finalize().to_hex()));
+        let path = self.folder.join(name(VERSION, domain, settings));
         CacheEntry { laplacian, path, most_bytes: self.most_bytes }
     }
+}
+
+/// The name of the entry that this version of the solver makes.
+fn name(version: u32, domain: &Domain, settings: &BasisSettings) -> String {
+    let mut hash = blake3::Hasher::new();
+    hash.update(&version.to_le_bytes());
+    hash.update(&(settings.harmonics as u64).to_le_bytes());
+    hash.update(&[u8::from(settings.whole_clusters)]);
+    hash.update(settings.laplacian.to_string().as_bytes());
+    hash.update(&(domain.positions.len() as u64).to_le_bytes());
+    hash.update(bytemuck::cast_slice(&domain.positions));
+    hash.update(bytemuck::cast_slice(&domain.triangles));
+    format!("{}.basis", hash.finalize().to_hex())
 }
 
 /// The file of one basis in the cache.
@@ -267,4 +272,24 @@ fn read_part(file: &mut fs::File, bytes: &mut [u8], hash: &mut blake3::Hasher) -
     file.read_exact(bytes)?;
     hash.update(bytes);
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_mesh::TriMesh;
+
+    use super::*;
+
+    #[test]
+    fn another_version_and_other_settings_have_other_names() {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let mesh = TriMesh { positions, triangles, ..TriMesh::default() };
+        let domain = Domain::of(&mesh).unwrap();
+        let [few, more] = [2, 3].map(BasisSettings::new);
+        let ours = name(VERSION, &domain, &few);
+        assert_eq!(ours, name(VERSION, &domain, &few));
+        assert_ne!(ours, name(VERSION + 1, &domain, &few));
+        assert_ne!(ours, name(VERSION, &domain, &more));
+    }
 }

@@ -2,14 +2,12 @@
 //! and refinement by ZoomOut (Melzi et al. 2019).
 
 use chladni_task::Task;
-use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::SolveLstsq;
-use faer::{Accum, Mat, MatRef};
+use faer::MatRef;
 use rayon::prelude::*;
 
 use crate::HarmonicsError;
+use crate::least_squares::{least_squares, product};
 use crate::nearest::nearest;
-use crate::platform::split;
 
 /// The first eigenvectors of a shape, at all of its vertices or at a sample of them.
 #[derive(Clone, Copy, Debug)]
@@ -146,7 +144,9 @@ impl FunctionalMap {
             None if n < rows => {
                 return Err(bad(format!("{rows} eigenvectors on {n} vertices leave the map undetermined")));
             }
-            None => least_squares(target.first(rows), pulled)?,
+            None => least_squares(target.first(rows), pulled).ok_or_else(|| {
+                bad("the singular values of the target's eigenvectors were not found".into())
+            })?,
         };
         let values =
             found.col_iter().flat_map(|column| column.iter().copied().collect::<Vec<f64>>()).collect();
@@ -195,33 +195,6 @@ fn enough(given: Eigenvectors, needed: usize, side: &str) -> Result<(), Harmonic
         return Err(bad(format!("{needed} eigenvectors of the {side} are needed, {count} are given")));
     }
     Ok(())
-}
-
-fn product(a: MatRef<f64>, b: MatRef<f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(a.nrows(), b.ncols());
-    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, split());
-    out
-}
-
-/// The X that minimizes ‖A X − B‖, and ‖X‖ where several do. A has at least as many rows as columns.
-fn least_squares(a: MatRef<f64>, b: MatRef<f64>) -> Result<Mat<f64>, HarmonicsError> {
-    let qr = a.qr();
-    let negligible = f64::EPSILON * a.nrows() as f64;
-    let pivots: Vec<f64> = (0..a.ncols()).map(|i| qr.thin_R()[(i, i)].abs()).collect();
-    let largest = pivots.iter().copied().fold(0.0, f64::max);
-    if pivots.iter().all(|pivot| *pivot > negligible * largest) {
-        return Ok(qr.solve_lstsq(b));
-    }
-    let Ok(svd) = a.thin_svd() else {
-        return Err(bad("the singular values of the target's eigenvectors were not found".into()));
-    };
-    let singular: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-    let cut = negligible * singular.iter().copied().fold(0.0, f64::max);
-    let image = product(svd.U().transpose(), b);
-    let shares = Mat::from_fn(image.nrows(), image.ncols(), |i, j| {
-        if singular[i] > cut { image[(i, j)] / singular[i] } else { 0.0 }
-    });
-    Ok(product(svd.V(), shares.as_ref()))
 }
 
 fn row_major(matrix: MatRef<f64>) -> Vec<f64> {
@@ -284,6 +257,24 @@ mod tests {
             assert_eq!((refined.rows, refined.columns), (40, 40));
             assert_eq!(refined.to_point_map(vectors, target, false, &Task::new()).unwrap(), shuffled);
         }
+    }
+
+    #[test]
+    fn threads_change_no_bit() {
+        let body = basis();
+        let n = body.positions.len();
+        let vectors = Eigenvectors { vertices: n, values: &body.basis.vectors };
+        let start = FunctionalMap {
+            rows: 5,
+            columns: 5,
+            values: (0..25).map(|i| (f64::from(i) * 0.7).cos()).collect(),
+        };
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| start.zoomed_out(vectors, vectors, None, 7, [5, 5], &Task::new())).unwrap()
+        };
+        let one = on(1);
+        assert!([2, 5].into_iter().all(|threads| on(threads) == one));
     }
 
     #[test]

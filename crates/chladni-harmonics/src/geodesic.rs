@@ -224,6 +224,17 @@ mod tests {
         }
     }
 
+    #[test]
+    fn threads_change_no_bit() {
+        let sphere = samples::icosphere(4);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| HeatGeodesics::of(&sphere, 1.0).and_then(|of| of.distances(&[0, 777]))).unwrap()
+        };
+        let one = on(1);
+        assert!([2, 5].into_iter().all(|threads| on(threads) == one));
+    }
+
     /// The exact distances from the nearest of `sources` on the unit sphere.
     fn great_circles(sphere: &TriMesh, sources: &[usize]) -> Vec<f64> {
         let nearest = |p: &[f64; 3]| {

@@ -6,6 +6,7 @@ use chladni_mesh::TriMesh;
 use chladni_mesh::surface::boundary_vertices;
 use chladni_task::Task;
 
+use crate::operator::Domain;
 use crate::{
     Basis, BasisSettings, Body, BuildReport, Certificate, HarmonicsError, Operator, Pencil, SymmetricSparse,
     canonical, memory,
@@ -26,14 +27,19 @@ impl Body {
         settings: &BasisSettings,
         task: &Task,
     ) -> Result<(Self, BuildReport), HarmonicsError> {
-        let operator = Operator::with(mesh, settings.laplacian)?;
-        let n = operator.vertices();
-        let held = boundary_vertices(n, &operator.triangles);
+        let domain = Domain::of(mesh)?;
+        let n = domain.positions.len();
+        let held = boundary_vertices(n, &domain.triangles);
         let free: Vec<usize> = (0..n).filter(|v| !held[*v]).collect();
         if free.is_empty() {
             let reason = format!("all {n} vertices of the surface lie on its border, which is held");
             return Err(HarmonicsError::bad_pencil(reason));
         }
+        let clamped = BasisSettings { harmonics: settings.clamped(free.len())?, ..settings.clone() };
+        // The operator takes a while, too.
+        memory::room_for_solve(free.len(), 1, 1, &clamped)?;
+        let operator = Operator::on(&domain, settings.laplacian)?;
+        drop(domain);
         let mut place = vec![None; n];
         free.iter().enumerate().for_each(|(i, v)| place[*v] = Some(i));
         let entries = free.iter().enumerate().flat_map(|(j, v)| {
@@ -46,7 +52,6 @@ impl Body {
         let positions: Vec<[f64; 3]> = free.iter().map(|v| operator.positions[*v]).collect();
         let choose = |basis: &mut Basis| canonical::choose(basis, &positions, &stiffness, task);
         // For a moment there are the harmonics of the free vertices and those of all.
-        let clamped = BasisSettings { harmonics: settings.clamped(free.len())?, ..settings.clone() };
         let keep = memory::room_for_harmonics(n, 2, &clamped)?;
         let (inner, mut report) = Pencil::new(&stiffness, &mass)?.solve_and_choose(settings, choose, task)?;
         let mut vectors = memory::vectors(n, inner.harmonics(), keep, memory::free(settings))?;

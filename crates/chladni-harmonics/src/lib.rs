@@ -43,6 +43,7 @@ mod heat;
 mod held;
 mod laplacian;
 mod ldlt;
+mod least_squares;
 mod memory;
 mod nearest;
 #[cfg(feature = "npz")]

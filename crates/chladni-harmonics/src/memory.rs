@@ -230,7 +230,8 @@ fn available_below(root: &Path) -> Option<u64> {
     let read = |name: &str| std::fs::read_to_string(root.join(name)).ok();
     let system = read("proc/meminfo").and_then(|text| in_meminfo(&text));
     let groups = read("proc/self/cgroup").unwrap_or_default();
-    let left = groups.lines().filter_map(|line| left_in_group(root, line)).min();
+    let left = groups.lines().filter_map(|line| left_in_group(root, line));
+    let left = left.chain(left_of_addresses(root)).min();
     match (system, left) {
         (Some(system), Some(left)) => Some(system.min(left)),
         (system, left) => system.or(left).or(MOST_BYTES),
@@ -265,12 +266,23 @@ fn left_in_group(root: &Path, line: &str) -> Option<u64> {
     group.ancestors().take_while(|group| group.starts_with(&top)).filter_map(left).min()
 }
 
+/// The bytes that the program may still have addresses for; `None` where `ulimit -v` sets no limit.
+fn left_of_addresses(root: &Path) -> Option<u64> {
+    let read = |name: &str| std::fs::read_to_string(root.join("proc/self").join(name)).ok();
+    let limits = read("limits")?;
+    let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let most: u64 = limit.split_whitespace().next()?.parse().ok()?;
+    Some(most.saturating_sub(1024 * kilobytes(&read("status")?, "VmSize")?))
+}
+
 fn in_meminfo(text: &str) -> Option<u64> {
-    let kilobytes = |name: &str| {
-        let line = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':'))?;
-        line.split_whitespace().next()?.parse::<u64>().ok()
-    };
-    Some(1024 * (kilobytes("MemAvailable")? + kilobytes("SwapFree").unwrap_or(0)))
+    Some(1024 * (kilobytes(text, "MemAvailable")? + kilobytes(text, "SwapFree").unwrap_or(0)))
+}
+
+/// The number of this name in a file that the system has for people, too.
+fn kilobytes(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':'))?;
+    line.split_whitespace().next()?.parse::<u64>().ok()
 }
 
 #[cfg(test)]
@@ -400,6 +412,18 @@ mod tests {
         write("sys/fs/cgroup/memory/memory.usage_in_bytes", "200000\n");
         write("sys/fs/cgroup/memory/memory.stat", "inactive_file 1\ntotal_inactive_file 50000\n");
         assert_eq!(available_below(root), Some(250_000));
+        // That of the shell counts what is mapped, not only what is used.
+        let limits = |soft: &str| {
+            let line = format!("Max address space         {soft:<20} unlimited            bytes     \n");
+            write("proc/self/limits", &format!("Limit  Soft Limit  Hard Limit  Units\n{line}"));
+        };
+        write("proc/self/status", "Name:\tchladni\nVmSize:\t     100 kB\n");
+        limits("unlimited");
+        assert_eq!(available_below(root), Some(250_000));
+        limits("302400");
+        assert_eq!(available_below(root), Some(200_000));
+        limits("1024");
+        assert_eq!(available_below(root), Some(0));
     }
 
     #[test]

@@ -63,19 +63,28 @@ pub(crate) trait Kernel {
 pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
-        if is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx2")
-            && is_x86_feature_detected!("fma")
-        {
+        if has_avx512() {
             // SAFETY: every feature that `avx512` is compiled for was detected.
             return unsafe { avx512(kernel) };
         }
-        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+        if has_avx2() {
             // SAFETY: every feature that `avx2` is compiled for was detected.
             return unsafe { avx2(kernel) };
         }
     }
     kernel.run(Portable)
+}
+
+/// Whether this processor has what [`avx2`] is compiled for.
+#[cfg(target_arch = "x86_64")]
+fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+}
+
+/// Whether this processor has what [`avx512`] is compiled for.
+#[cfg(target_arch = "x86_64")]
+fn has_avx512() -> bool {
+    is_x86_feature_detected!("avx512f") && has_avx2()
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -90,31 +99,46 @@ fn avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Avx2(()))
 }
 
-/// Runs a kernel for one kind of processor, if this processor supports it.
-#[cfg(test)]
-pub(crate) fn run_for<K: Kernel>(processor: Processor, kernel: K) -> Option<K::Output> {
-    match processor {
-        Processor::This => Some(dispatch(kernel)),
-        Processor::Any => Some(kernel.run(Portable)),
-        #[cfg(target_arch = "x86_64")]
-        Processor::Avx2 if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") => {
-            // SAFETY: the features were detected.
-            Some(unsafe { avx2(kernel) })
-        }
-        Processor::Avx2 => None,
-    }
-}
-
+/// Kinds of processors, by what kernels are compiled for.
 #[cfg(test)]
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Processor {
-    This,
-    Avx2,
     Any,
+    Avx2,
+    Avx512,
 }
 
+/// Runs a kernel for one kind of processor, if this one is of that kind, too.
 #[cfg(test)]
-pub(crate) const PROCESSORS: [Processor; 3] = [Processor::This, Processor::Avx2, Processor::Any];
+pub(crate) fn run_for<K: Kernel>(processor: Processor, kernel: K) -> Option<K::Output> {
+    match processor {
+        Processor::Any => Some(kernel.run(Portable)),
+        #[cfg(target_arch = "x86_64")]
+        Processor::Avx2 if has_avx2() => {
+            // SAFETY: every feature that `avx2` is compiled for was detected.
+            Some(unsafe { avx2(kernel) })
+        }
+        #[cfg(target_arch = "x86_64")]
+        Processor::Avx512 if has_avx512() => {
+            // SAFETY: every feature that `avx512` is compiled for was detected.
+            Some(unsafe { avx512(kernel) })
+        }
+        Processor::Avx2 | Processor::Avx512 => None,
+    }
+}
+
+/// The result of `work`, which must be the same to the last bit for every kind of processor that this one is: all lanes
+/// add in one order and round a multiply-add once.
+#[cfg(test)]
+pub(crate) fn alike<T: PartialEq>(mut work: impl FnMut(Processor) -> Option<T>) -> T {
+    let portable = work(Processor::Any).expect("every processor runs it");
+    for processor in [Processor::Avx2, Processor::Avx512] {
+        if let Some(result) = work(processor) {
+            assert!(result == portable, "{processor:?} gives other bits");
+        }
+    }
+    portable
+}
 
 /// a b + c. It has a single rounding, except on targets where that would be a function call per number
 /// (WebAssembly).
@@ -337,10 +361,6 @@ mod tests {
     fn a_transpose_is_one_on_every_kind_of_processor() {
         let matrix = std::array::from_fn(|i| std::array::from_fn(|j| (8 * i + j) as f64));
         let transposed = std::array::from_fn(|i| std::array::from_fn(|j| (8 * j + i) as f64));
-        for processor in PROCESSORS {
-            if let Some(result) = run_for(processor, Transpose(matrix)) {
-                assert_eq!(result, transposed, "{processor:?}");
-            }
-        }
+        assert_eq!(alike(|processor| run_for(processor, Transpose(matrix))), transposed);
     }
 }

@@ -102,6 +102,48 @@ fn reads_only() {
     assert!(!report.cached && warning.contains("the disk is read-only"), "{warning}");
 }
 
+/// Its folder may be read but not written, as in a home that somebody else has set up. Everything is allowed to root, which
+/// therefore runs the child as nobody.
+#[cfg(unix)]
+#[test]
+fn a_cache_in_a_folder_of_somebody_else_is_read() {
+    use std::os::unix::fs::PermissionsExt;
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().join("cache");
+    let let_in =
+        |path: &Path, mode| std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).unwrap();
+    assert!(build(&folder, FEW).1.cache_warning.is_none());
+    let_in(home.path(), 0o755);
+    let_in(&folder, 0o555);
+    let before = besides_entries(&folder);
+    let mut words = child("reads_as_another_user");
+    if std::fs::write(folder.join("root"), "").is_ok() {
+        std::fs::remove_file(folder.join("root")).unwrap();
+        let nobody = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "--"].map(str::to_owned);
+        let lists = Command::new(&nobody[0]).args(&nobody[1..]).args([&words[0], "--list"]).output();
+        if !lists.is_ok_and(|output| output.status.success()) {
+            return println!("skipped: nobody may not run the test");
+        }
+        words = [&nobody[..], &words].concat();
+    }
+    let output = Command::new(&words[0]).args(&words[1..]).env(FOLDER, &folder).output().unwrap();
+    let_in(&folder, 0o755);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    assert_eq!(besides_entries(&folder), before);
+}
+
+#[test]
+#[ignore = "run by a_cache_in_a_folder_of_somebody_else_is_read"]
+fn reads_as_another_user() {
+    let Some(folder) = folder() else { return };
+    let (_, report) = build(&folder, FEW);
+    assert!(report.cached && report.cache_warning.is_none(), "{report:?}");
+    let (body, report) = build(&folder, FEW + 1);
+    assert_eq!(body.basis.harmonics(), FEW + 1);
+    let warning = report.cache_warning.unwrap();
+    assert!(!report.cached && warning.contains("write to a folder of your own"), "{warning}");
+}
+
 #[test]
 fn an_entry_of_another_version_is_solved_again() {
     let folder = tempfile::tempdir().unwrap();

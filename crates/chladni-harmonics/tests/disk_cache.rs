@@ -72,6 +72,33 @@ fn what_was_used_the_longest_time_ago_makes_room_and_other_files_stay() {
 }
 
 #[test]
+fn entries_of_any_date_are_used_and_make_room() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = shapes::icosphere(1);
+    let most = 2 * (8 * (42 * 9 + 42 + 9) + 96);
+    let cache = BasisCache::new(folder.path()).of_at_most(most);
+    let build =
+        |k| Body::load_or_build(&mesh, &BasisSettings::new(k), Some(&cache), &Task::new()).unwrap().1.cached;
+    let ahead = std::time::SystemTime::now() + std::time::Duration::from_secs(1 << 25);
+    for written in [ahead, std::time::SystemTime::UNIX_EPOCH] {
+        for k in 5..9 {
+            assert!(!build(k));
+            assert!(build(k), "what was just written stays");
+            let files = || std::fs::read_dir(folder.path()).unwrap().map(|file| file.unwrap());
+            let total: u64 = files().map(|file| file.metadata().unwrap().len()).sum();
+            assert!(total <= most, "{total}");
+            for file in files() {
+                let file = std::fs::File::options().append(true).open(file.path()).unwrap();
+                file.set_modified(written).unwrap();
+            }
+        }
+        for file in std::fs::read_dir(folder.path()).unwrap() {
+            std::fs::remove_file(file.unwrap().path()).unwrap();
+        }
+    }
+}
+
+#[test]
 fn no_flipped_bit_and_no_cut_is_trusted() {
     let folder = tempfile::tempdir().unwrap();
     let cache = BasisCache::new(folder.path());

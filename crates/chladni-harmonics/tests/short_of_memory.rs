@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use chladni_harmonics::{
-    BasisSettings, Body, HarmonicsError, Operator, Pencil, SymmetricSparse, available_memory,
+    BasisSettings, Body, HarmonicsError, Laplacian, Operator, Pencil, SymmetricSparse, available_memory,
 };
 use chladni_mesh::TriMesh;
 use chladni_mesh::samples::icosphere;
-use chladni_task::Task;
+use chladni_task::{Progress, Task};
 
 /// One solved as usual, and one with `bytes` of memory per vertex and a scratch folder.
 fn both(mesh: &TriMesh, harmonics: usize, bytes: u64) {
@@ -31,9 +31,46 @@ fn both(mesh: &TriMesh, harmonics: usize, bytes: u64) {
     assert_eq!(body.basis.certificate, spilled.basis.certificate);
     // On Unix the file has no name.
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), usize::from(!cfg!(unix)));
-    let refused = BasisSettings { scratch: None, ..short };
-    let refused = Body::load_or_build(mesh, &refused, None, &task).unwrap_err();
+    refused_before_the_work(mesh, &BasisSettings { scratch: None, ..short });
+}
+
+/// Refused with what it takes and what there is, before anything begins.
+fn refused_before_the_work(mesh: &TriMesh, settings: &BasisSettings) {
+    let task = Task::new();
+    let refused = Body::load_or_build(mesh, settings, None, &task).unwrap_err();
     assert!(matches!(refused, HarmonicsError::TooMany { .. }), "{refused}");
+    assert_eq!(task.progress(), Progress::default());
+    let message = refused.to_string();
+    let words: Vec<&str> = message.split_whitespace().collect();
+    let sizes = words.windows(2).filter(|pair| pair[1] == "MB").map(|pair| pair[0].parse::<f64>().unwrap());
+    let sizes: Vec<f64> = sizes.collect();
+    let free = settings.memory_bytes.unwrap() as f64 / 1e6;
+    assert!(sizes.len() == 2 && sizes[0] > sizes[1] && (sizes[1] - free).abs() < 0.06, "{message}");
+}
+
+#[test]
+fn a_mesh_whose_operator_does_not_fit_is_refused_before_that_is_built() {
+    let tiny = BasisSettings { memory_bytes: Some(100_000), ..BasisSettings::new(9) };
+    // Solved by slices, and as a dense matrix.
+    for finer in [4, 2] {
+        refused_before_the_work(&icosphere(finer), &tiny);
+    }
+}
+
+/// The fin at one edge is what this operator refuses, as it is built.
+#[test]
+fn a_held_surface_that_does_not_fit_is_refused_before_its_operator_is_built() {
+    let mut mesh = icosphere(4);
+    mesh.triangles.pop();
+    let [a, b, _] = mesh.triangles[0];
+    mesh.positions.push([0.0, 0.0, 3.0]);
+    mesh.triangles.push([a, b, mesh.positions.len() as u32 - 1]);
+    let roomy = BasisSettings { laplacian: Laplacian::Cotangent, ..BasisSettings::new(9) };
+    let tiny = BasisSettings { memory_bytes: Some(100_000), ..roomy.clone() };
+    let refused =
+        |settings: &BasisSettings| Body::with_held_border(&mesh, settings, &Task::new()).unwrap_err();
+    assert!(!matches!(refused(&roomy), HarmonicsError::TooMany { .. }));
+    assert!(matches!(refused(&tiny), HarmonicsError::TooMany { .. }));
 }
 
 #[test]

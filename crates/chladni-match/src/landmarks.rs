@@ -158,4 +158,15 @@ mod tests {
             }
         }
     }
+    #[test]
+    fn two_hundred_thousand_landmarks_are_not_each_compared_with_all_before() {
+        // That would be twenty billion comparisons: minutes of a test that otherwise takes a moment.
+        let count = 200_000;
+        let landmarks: Vec<Landmark> =
+            (0..count).map(|i| Landmark { shape: count - i, template: i }).collect();
+        let text = write_landmarks(&landmarks);
+        assert_eq!(read_landmarks(&text).unwrap(), landmarks);
+        let last = read_landmarks(&format!("{text}{count} 7\n"));
+        assert!(matches!(last, Err(MatchError::LandmarkFile { line: 200_002, .. })), "{last:?}");
+    }
 }

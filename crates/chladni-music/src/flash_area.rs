@@ -134,4 +134,6 @@ impl Places {
 }
 
 #[cfg(test)]
+mod limits;
+#[cfg(test)]
 mod tests;

@@ -57,8 +57,14 @@ impl FlashGuard {
     /// denser than flashes need, but black that parts of the picture needed goes only within a second. Allocates
     /// nothing, except where more changes fall into a second than ever before.
     pub fn veil(&mut self, time_secs: f64, picture: &Histogram) -> Veil {
+        self.veil_over_dark(time_secs, picture, 0)
+    }
+
+    /// The [`veil`](Self::veil) of a picture that somebody darkens: black of at least the opacity `dark`, which stays where
+    /// less of it would flash.
+    pub fn veil_over_dark(&mut self, time_secs: f64, picture: &Histogram, dark: u8) -> Veil {
         self.places.iter_mut().for_each(|places| places.forget(time_secs));
-        let (least, held) = self.least(time_secs, picture);
+        let (least, held) = self.least(time_secs, picture, dark);
         self.held = Some((time_secs, held));
         let veil = self.mean_veil(time_secs, picture, least);
         self.limiter.show(time_secs, picture.luminance(veil));
@@ -66,13 +72,13 @@ impl FlashGuard {
         veil
     }
 
-    /// How black parts of the picture need it, and from where that goes on.
-    fn least(&mut self, time_secs: f64, picture: &Histogram) -> (u8, f64) {
+    /// How black parts of the picture need it, at least `dark`, and from where that goes on.
+    fn least(&mut self, time_secs: f64, picture: &Histogram, dark: u8) -> (u8, f64) {
         let (since_secs, held) = self.held.unwrap_or((time_secs, 0.0));
         let gone_secs = (time_secs - since_secs).max(0.0);
         let kept = (held - 255.0 * gone_secs / LIFT_SECS).max(0.0);
         let soon = (held + 255.0 * gone_secs / LOWER_SECS).min(255.0);
-        let clearest = kept.ceil() as u8;
+        let clearest = (kept.ceil() as u8).max(dark);
         let blackest = (soon as u8).max(clearest);
         self.stripes.look(picture);
         let striped = |opacity| self.stripes.are_too_many(picture, Veil::black(opacity), self.area);

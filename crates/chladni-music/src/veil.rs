@@ -14,7 +14,7 @@ pub enum Veil {
 
 impl Veil {
     /// Black of this opacity, or nothing.
-    pub(crate) fn black(opacity: u8) -> Self {
+    pub fn black(opacity: u8) -> Self {
         if opacity == 0 { Self::Clear } else { Self::Black(opacity) }
     }
 

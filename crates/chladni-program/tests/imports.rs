@@ -81,14 +81,33 @@ fn every_program_is_started_by_the_one_function_that_gives_it_its_environment() 
     only_the_task_crate_names(&["Command::new("], &others);
 }
 
+#[test]
+fn sockets_are_those_of_osc() {
+    let osc = ["osc", "beat_out"].map(|name| format!("chladni-program/src/studio/music/remote/{name}.rs"));
+    let words = [
+        "UdpSocket",
+        "TcpStream",
+        "TcpListener",
+        "UnixStream",
+        "UnixListener",
+        "UnixDatagram",
+        "ToSocketAddrs",
+    ];
+    only_some_files_name(&words, |file| osc.iter().any(|osc| osc == file));
+}
+
 /// Fails where what is shipped of a crate above `chladni-task` holds one of `words`, except in the files `others`.
 fn only_the_task_crate_names(words: &[&str], others: &[&str]) {
+    only_some_files_name(words, |file| file.starts_with("chladni-task/") || others.contains(&file));
+}
+
+/// Fails where what is shipped of a crate holds one of `words`, except in files that may.
+fn only_some_files_name(words: &[&str], may: impl Fn(&str) -> bool) {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     for path in files_below(crates.to_owned()) {
         let is_source = path.extension().is_some_and(|ending| ending == "rs");
         let folders = path.strip_prefix(crates).unwrap().to_string_lossy().replace('\\', "/");
-        let is_ours = folders.starts_with("chladni-task/") || others.contains(&folders.as_str());
-        if !is_source || is_ours || !folders.contains("/src/") || folders.ends_with("tests.rs") {
+        if !is_source || may(&folders) || !folders.contains("/src/") || folders.ends_with("tests.rs") {
             continue;
         }
         let text = std::fs::read_to_string(&path).unwrap();
@@ -130,4 +149,93 @@ fn unsafe_code_stands_only_in_the_files_that_the_rules_list() {
     let mut listed: Vec<&str> = rules.split('`').filter(is_file).collect();
     listed.sort_unstable();
     assert_eq!(unsafe_files, listed);
+}
+
+/// All Rust sources of the workspace: the name below `crates`, what is shipped of it, and its tests.
+fn sources() -> Vec<(String, String, String)> {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let mut sources = Vec::new();
+    for path in files_below(crates.to_owned()) {
+        if path.extension().is_some_and(|ending| ending == "rs") {
+            let name = path.strip_prefix(crates).unwrap().to_string_lossy().replace('\\', "/");
+            let text = std::fs::read_to_string(&path).unwrap();
+            let is_test = name.contains("/tests/") || name.ends_with("tests.rs");
+            let (shipped, tests) = match text.split_once("\nmod tests {") {
+                _ if is_test => ("", &text[..]),
+                _ if !name.contains("/src/") => continue,
+                Some(parts) => parts,
+                None => (&text[..], ""),
+            };
+            sources.push((name, shipped.to_owned(), tests.to_owned()));
+        }
+    }
+    sources
+}
+
+#[test]
+fn no_test_fails_or_gives_up_on_a_slow_machine() {
+    // Bounds other than `HANGS`, and why a slow machine passes.
+    let others = [
+        // A manager of PipeWire that does not end is ended; nothing is expected of it.
+        ("chladni-view/tests/camera.rs", "ending.elapsed() < Duration::from_secs(10)"),
+        // A reader that came too early is followed by another, which is given twice the time.
+        ("chladni-view/tests/camera.rs", "recv_timeout(wait)"),
+        // It measures how busy the machine is.
+        ("chladni-sound/tests/playing/main.rs", "recv_timeout(NAP)"),
+        // It goes on until there were enough frames, however late they come.
+        ("chladni-program/tests/music_window/main.rs", "start.elapsed().as_secs_f64() < secs ||"),
+    ];
+    let mut used = Vec::new();
+    // The words are here, too.
+    for (name, _, tests) in sources().into_iter().filter(|(name, ..)| !name.ends_with("tests/imports.rs")) {
+        for line in tests.lines().filter(|line| is_timed(line) && !line.contains("HANGS")) {
+            let other = others.iter().position(|(file, part)| *file == name && line.contains(part));
+            assert!(other.is_some(), "{name}: {line}: use chladni_testdata::HANGS");
+            used.extend(other);
+        }
+    }
+    assert!((0..others.len()).all(|other| used.contains(&other)), "{used:?} of {others:?} are there");
+}
+
+/// Whether a line of a test compares a time that has gone by, or waits for a time.
+fn is_timed(line: &str) -> bool {
+    let is_compared = |after: &str| {
+        let after = after.strip_prefix(".as_secs_f64()").unwrap_or(after);
+        after.starts_with(" <") || after.starts_with(" >")
+    };
+    line.contains("recv_timeout(") || line.split("elapsed()").skip(1).any(is_compared)
+}
+
+#[test]
+fn the_clock_on_the_wall_which_may_jump_decides_nothing_but_this() {
+    let files = [
+        // Which entries were used last.
+        "chladni-harmonics/src/cache.rs",
+        // Which of several copies is the newest, and whether a project was written after its copy.
+        "chladni-caricature/src/recovery.rs",
+        "chladni-program/src/studio/caricature/files.rs",
+        "chladni-program/src/studio/music/keepsake.rs",
+        // Whether a copy or a draft that cannot be locked may still be at work.
+        "chladni-task/src/recovery.rs",
+        "chladni-task/src/atomic_file/leftovers.rs",
+        // When a file was used.
+        "chladni-task/src/read_file.rs",
+        // Whether a file has changed.
+        "chladni-program/src/work/files.rs",
+        "chladni-program/src/studio/caricature/session/files.rs",
+        // Ages, as they are shown.
+        "chladni-program/src/studio/age.rs",
+        // When sound gave out, in a report for other programs, which know no instants.
+        "chladni-program/src/studio/measure.rs",
+        // Chance, which is another one every evening.
+        "chladni-program/src/studio/music/concert/piloted.rs",
+    ];
+    let names_it =
+        |text: &str| ["SystemTime", "UNIX_EPOCH", ".modified()"].iter().any(|word| text.contains(word));
+    let mut named: Vec<String> = Vec::new();
+    named.extend(sources().into_iter().filter(|(_, shipped, _)| names_it(shipped)).map(|(name, ..)| name));
+    named.sort_unstable();
+    let mut listed = files.map(str::to_owned);
+    listed.sort_unstable();
+    assert_eq!(named, listed, "measure what is done when by an Instant");
 }

@@ -11,11 +11,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use chladni_mesh::{samples, save_mesh};
-use chladni_music::{Histogram, MAX_FLASHES, Show, Veil, most_flashes_per_second};
+use chladni_music::{FlashCount, Histogram, MAX_FLASHES, Show, Veil, most_flashes_per_second};
 use chladni_program::studio::{Folders, Opening};
 use chladni_sound::{Capture, CaptureFeed};
 use driving::{Answers, Window, control, no_time, open_with, shows, wait};
-use egui::{Event, Key, Modifiers, Pos2, ViewportCommand};
+use egui::{Event, Key, Modifiers, Pos2, Rect, ViewportCommand};
 use egui_kittest::Harness;
 
 const RATE_HZ: u32 = 44_100;
@@ -102,22 +102,38 @@ impl Evening {
         String::from_utf8(probe.stdout).unwrap()
     }
 
-    /// Mean relative luminance of what the window shows.
-    fn luminance(&mut self) -> f32 {
+    /// All pixels of a part of the window.
+    fn seen(&mut self, part: Rect) -> Histogram {
         let picture = self.window.render().unwrap();
+        let part = part.intersect(Rect::from_min_max(Pos2::ZERO, Pos2::new(640.0, 640.0))).round();
+        let [left, top] = [part.left(), part.top()].map(|edge| edge as u32);
+        let size = [part.width(), part.height()].map(|side| side as u32);
         let mut histogram = Histogram::default();
-        let pixels = picture.pixels();
-        pixels.for_each(|pixel| histogram.add([0, 0], [1, 1], [pixel[0], pixel[1], pixel[2]]));
-        histogram.luminance(Veil::Clear)
+        for (x, y, pixel) in picture.enumerate_pixels().filter(|(x, y, _)| *x >= left && *y >= top) {
+            histogram.add([x - left, y - top], size, [pixel[0], pixel[1], pixel[2]]);
+        }
+        histogram
     }
 
-    /// Flashes in the worst second of `steps` steps, each of which begins with `act`.
-    fn flashes(&mut self, steps: usize, mut act: impl FnMut(&mut Self, usize)) -> usize {
+    /// What is counted, in a part of the window, of `steps` steps, each of which begins with `act`.
+    fn counted(&mut self, part: Rect, steps: usize, mut act: impl FnMut(&mut Self, usize)) -> FlashCount {
+        let mut count = FlashCount::default();
+        for step in 0..steps {
+            act(self, step);
+            let time_secs = self.window.ctx.input(|input| input.time);
+            count.note(time_secs, &self.seen(part), Veil::Clear);
+        }
+        count
+    }
+
+    /// Flashes in the worst second of `steps` steps, each of which begins with `act`, of the mean of the window. Its panels
+    /// are judged in no other way.
+    fn mean_flashes(&mut self, steps: usize, mut act: impl FnMut(&mut Self, usize)) -> usize {
         let (mut times_secs, mut luminances) = (Vec::new(), Vec::new());
         for step in 0..steps {
             act(self, step);
             times_secs.push(self.window.ctx.input(|input| input.time));
-            luminances.push(self.luminance());
+            luminances.push(self.seen(Rect::EVERYTHING).luminance(Veil::Clear));
         }
         most_flashes_per_second(&times_secs, &luminances)
     }
@@ -180,12 +196,12 @@ fn free_and_limited(fps: u32, settings: &str, session: &str, count: impl Fn(&mut
     assert!(limited <= MAX_FLASHES, "{limited} flashes a second, {free} without the limit");
 }
 
-#[test]
-fn a_strobing_track_on_stage_never_flashes_more_than_three_times_a_second() {
+/// A ball on stage that a strobe blows up.
+fn strobing_session() -> String {
     // All sound goes to the harmonics that blow the ball up, without decay.
     let mapping =
         "{ transfer = [0.0435, 0.087, 0.1305], amplification = [1.0], stereo_mu = 0.0, gain = 1.0 }";
-    let session: String = [
+    [
         &format!("do = \"load\"\nitem = 0\nname = \"strobe\"\nmapping = {mapping}"),
         "do = \"set\"\nparameter = \"decay\"\nvalue = 0.0",
         "do = \"set\"\nparameter = \"limit\"\nvalue = 0.5",
@@ -193,14 +209,69 @@ fn a_strobing_track_on_stage_never_flashes_more_than_three_times_a_second() {
         "do = \"perform\"\nitem = 0",
     ]
     .map(action)
-    .concat();
-    let look = "[music]\nmaterial = \"dark\"\nbackground = \"white\"\n";
-    free_and_limited(30, look, &session, |evening| {
+    .concat()
+}
+
+const DARK_ON_WHITE: &str = "[music]\nmaterial = \"dark\"\nbackground = \"white\"\n";
+
+#[test]
+fn a_strobing_track_on_stage_never_flashes_more_than_three_times_a_second() {
+    free_and_limited(30, DARK_ON_WHITE, &strobing_session(), |evening| {
         assert!(!shows(&evening.window, "6 items"), "not on stage");
-        let count = evening.flashes(45, |evening, _| evening.step(strobe));
+        let count = evening.counted(Rect::EVERYTHING, 45, |evening, _| evening.step(strobe));
         driving::screenshot(&mut evening.window, "window-music-strobe.png");
-        count
+        count.most_per_second()
     });
+}
+
+/// Its recording shows the picture alone; tests draw the second window into the first.
+#[test]
+fn nor_does_it_in_a_window_of_its_own() {
+    if !chladni_view::ffmpeg_is_there() {
+        return println!("skipped: no ffmpeg");
+    }
+    let look = format!("{DARK_ON_WHITE}own_window = true\n");
+    free_and_limited(30, &look, &strobing_session(), |evening| {
+        assert!(shows(&evening.window, "On stage"));
+        let film = evening.record();
+        (0..45).for_each(|_| evening.step(strobe));
+        evening.end_recording();
+        let scale = ["-vf", "scale=96:64:flags=area", "-pix_fmt", "rgb24", "-f", "rawvideo", "-"];
+        let decoded = Command::new("ffmpeg").args(["-v", "error", "-i"]).arg(&film).args(scale).output();
+        let bytes = decoded.unwrap().stdout;
+        let (mut count, mut histogram) = (FlashCount::default(), Histogram::default());
+        for (frame, pixels) in bytes.chunks_exact(3 * 96 * 64).enumerate() {
+            histogram.clear();
+            for (rgb, i) in pixels.as_chunks().0.iter().zip(0..) {
+                histogram.add([i % 96, i / 96], [96, 64], *rgb);
+            }
+            count.note(frame as f64 / 30.0, &histogram, Veil::Clear);
+        }
+        count.most_per_second()
+    });
+}
+
+#[test]
+fn bars_behind_a_stage_are_darkened_within_half_a_second() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bars.png");
+    let bars = image::RgbImage::from_fn(640, 640, |x, _| image::Rgb([if x % 20 < 10 { 245 } else { 0 }; 3]));
+    bars.save(&path).unwrap();
+    let settings = format!("[music]\nbackground = \"night\"\npicture = '{}'\n", path.display());
+    let [free, limited] = [false, true].map(|on| {
+        let session = format!("{}{}", action("do = \"perform\"\nitem = 0"), limit(on));
+        let mut evening = Evening::begin(10, &settings, &session);
+        assert!(!shows(&evening.window, "6 items"), "not on stage");
+        // They are read beside the window.
+        wait(&mut evening.window, "the bars", |w| !driving::is_busy(w));
+        evening.counted(Rect::EVERYTHING, 30, |evening, _| {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+            evening.step(|_| 0.0);
+        })
+    });
+    assert!(free.longest_stripes_secs() > 1.0, "no bars are seen");
+    let (secs, flashes) = (limited.longest_stripes_secs(), limited.most_per_second());
+    assert!(secs < 0.5 && flashes <= MAX_FLASHES, "{secs} s, {flashes} flashes");
 }
 
 #[test]
@@ -208,11 +279,13 @@ fn nor_does_a_background_that_changes_all_the_time() {
     free_and_limited(60, "", "", |evening| {
         control(&evening.window, "drawer/look").click();
         evening.window.run_steps(2);
-        evening.flashes(24, |evening, step| {
+        let part = control(&evening.window, "dance/1").rect();
+        let count = evening.counted(part, 24, |evening, step| {
             let background = if step % 2 == 0 { "background/white" } else { "background/night" };
             control(&evening.window, background).click();
             evening.step(|_| 0.0);
-        })
+        });
+        count.most_per_second()
     });
 }
 
@@ -221,7 +294,7 @@ fn nor_does_a_stage_that_opens_and_closes_all_the_time() {
     free_and_limited(60, "light = true\n", "", |evening| {
         evening.window.event(Event::PointerMoved(Pos2::new(100.0, 200.0)));
         evening.window.run_steps(3);
-        evening.flashes(24, |evening, step| {
+        evening.mean_flashes(24, |evening, step| {
             evening.window.key_press(if step % 2 == 0 { Key::S } else { Key::Escape });
             evening.step(|_| 0.0);
         })

@@ -3,12 +3,12 @@
 //! `playback check SONG SECS` records the PulseAudio monitor `null.monitor` meanwhile and compares the
 //! recording with the decoded song. `playback watch SONG SECS` prints device and position. `playback
 //! disturb SONG SECS` repeatedly pauses, continues and changes the device, and reports the effect on the
-//! position.
+//! position and, of a recording of the same monitor, the largest difference of neighboring samples.
 
 use std::error::Error;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use chladni_sound::{Player, PlayerEvent, PlayerSettings, Repeat, Song, SongOptions, SongReader};
@@ -51,6 +51,8 @@ fn watch(song: PathBuf, secs: f64) -> Result<(), Box<dyn Error>> {
 
 /// Pauses every half second, then selects a missing device and the usual one again, repeatedly.
 fn disturb(song: PathBuf, secs: f64) -> Result<(), Box<dyn Error>> {
+    let (mut recorder, mut recorded, mut bytes) = record()?;
+    let recording = std::thread::spawn(move || recorded.read_to_end(&mut bytes).map(|_| bytes));
     let player = Player::start(PlayerSettings::default())?;
     player.play_list(vec![song]);
     let position = || player.status().position_secs;
@@ -85,24 +87,45 @@ fn disturb(song: PathBuf, secs: f64) -> Result<(), Box<dyn Error>> {
             });
         }
     }
-    writeln!(std::io::stdout(), "{{\"step_back_secs\": {back:.4}, \"ahead_secs\": {ahead:.3}}}")?;
+    drop(player);
+    recorder.kill()?;
+    recorder.wait()?;
+    let heard = left_samples(&recording.join().map_err(|_| "the recording broke off")??);
+    let steps = heard.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let loudest = heard.iter().fold(0.0f32, |most, sample| most.max(sample.abs()));
+    writeln!(
+        std::io::stdout(),
+        "{{\"step_back_secs\": {back:.4}, \"ahead_secs\": {ahead:.3}, \"loudest\": {loudest:.4}, \"largest_step\": {:.4}}}",
+        steps.fold(0.0, f32::max),
+    )?;
     Ok(())
 }
 
-fn check(path: &Path, secs: f64) -> Result<(), Box<dyn Error>> {
-    let options = SongOptions { rate_hz: Some(RATE_HZ), ..SongOptions::default() };
-    let truth = Song::read(&mut SongReader::open(path)?, &options, &Task::new())?;
+/// Begins to record the monitor; the recorder, what it writes, and the first of that.
+fn record() -> Result<(Child, ChildStdout, Vec<u8>), Box<dyn Error>> {
     let mut recorder = Command::new("parec")
         .args(["-d", "null.monitor", "--format=float32le", "--rate=48000", "--channels=2"])
         .args(["--latency-msec=10", "--raw"])
         .stdout(Stdio::piped())
         .spawn()?;
     let mut recorded = recorder.stdout.take().ok_or("parec has no output")?;
-    let mut bytes = Vec::new();
-    let mut block = vec![0u8; 16_384];
+    let mut first = vec![0u8; 16_384];
     // The recorder starts before the player does.
-    let got = recorded.read(&mut block)?;
-    bytes.extend_from_slice(&block[..got]);
+    let got = recorded.read(&mut first)?;
+    first.truncate(got);
+    Ok((recorder, recorded, first))
+}
+
+/// The left channel of what the recorder wrote.
+fn left_samples(bytes: &[u8]) -> Vec<f32> {
+    bytes.chunks_exact(8).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+}
+
+fn check(path: &Path, secs: f64) -> Result<(), Box<dyn Error>> {
+    let options = SongOptions { rate_hz: Some(RATE_HZ), ..SongOptions::default() };
+    let truth = Song::read(&mut SongReader::open(path)?, &options, &Task::new())?;
+    let (mut recorder, mut recorded, mut bytes) = record()?;
+    let mut block = vec![0u8; 16_384];
     let start = Instant::now();
     let player = Player::start(PlayerSettings::default())?;
     player.play_list(vec![path.to_owned(); 64]);
@@ -126,9 +149,7 @@ fn check(path: &Path, secs: f64) -> Result<(), Box<dyn Error>> {
     drop(player);
     recorder.kill()?;
     recorder.wait()?;
-    let samples: Vec<f32> =
-        bytes.chunks_exact(8).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-    let Some(report) = compare(&samples, &truth, &places) else {
+    let Some(report) = compare(&left_samples(&bytes), &truth, &places) else {
         return Err(format!("nothing was recorded that is in the song; {status:?} {events:?}").into());
     };
     writeln!(

@@ -1,6 +1,7 @@
 //! Progress and cancellation of long work, files that are written whole or not at all, or by one program at a time,
 //! files that are read whole up to a size limit, copies of unsaved work that outlive a crash, other programs that are
-//! started, names in addresses, numbers of things in words, and files of newer programs.
+//! started, names in addresses and those that lead to other machines, numbers of things in words, and files of newer
+//! programs.
 //!
 //! ```
 //! use chladni_task::Task;
@@ -27,6 +28,7 @@ mod alone;
 mod atomic_file;
 mod counted;
 mod newer;
+mod other_machine;
 mod other_program;
 mod percent;
 mod progress;
@@ -35,11 +37,13 @@ mod recovery;
 
 pub use alone::alone;
 pub use atomic_file::{
-    Draft, create_folder, create_private_folder, folder_of, persist, private_folder, temporary_beside,
-    where_it_leads, write_atomic, write_atomic_private, write_atomic_with, write_new,
+    Draft, advice_in, advised, create_folder, create_private_folder, folder_of, persist, persist_new,
+    private_folder, temporary_beside, where_it_leads, write_atomic, write_atomic_private, write_atomic_with,
+    write_new,
 };
 pub use counted::counted;
 pub use newer::newer;
+pub use other_machine::asks_another_machine;
 pub use other_program::{Needs, apart, other_program};
 pub use percent::percent_decoded;
 pub use progress::{Cancelled, Progress, Stage, Task};

@@ -112,9 +112,18 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn what_never_ends_is_refused() {
-        for device in ["/dev/zero", "/dev/null"] {
-            let error = read_file(Path::new(device), 1 << 20).unwrap_err();
-            assert_eq!(error.kind(), io::ErrorKind::InvalidInput, "{device}: {error}");
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        // Nobody writes into it: to open it would wait for ever.
+        let made = std::process::Command::new("mkfifo").arg(at("pipe")).status().unwrap();
+        assert!(made.success());
+        for (target, link) in [("/dev/zero", "device"), ("pipe", "to-pipe")] {
+            std::os::unix::fs::symlink(target, at(link)).unwrap();
+        }
+        let unending = [at("pipe"), at("device"), at("to-pipe"), "/dev/zero".into(), "/dev/null".into()];
+        for path in unending {
+            let error = read_file(&path, 1 << 20).unwrap_err();
+            assert_eq!(error.kind(), io::ErrorKind::InvalidInput, "{}: {error}", path.display());
         }
     }
 }

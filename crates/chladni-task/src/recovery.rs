@@ -10,7 +10,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crate::{create_private_folder, write_atomic_private};
+use crate::{advised, create_private_folder, write_atomic_private};
 
 /// A copy that was written to within this time is a running program's where there are no locks.
 const AT_WORK: Duration = Duration::from_secs(60);
@@ -45,7 +45,7 @@ impl RecoveryCopy {
             options.create(true).truncate(false).write(true);
             #[cfg(unix)]
             std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-            let held = options.open(&lock)?;
+            let held = options.open(&lock).map_err(advised)?;
             if is_free(&held.try_lock()) {
                 return Ok(Self { copy, lock, _held: held });
             }

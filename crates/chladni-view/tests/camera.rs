@@ -6,6 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
+use chladni_testdata::HANGS;
 use chladni_view::film::{CameraTarget, LiveCamera};
 use chladni_view::{FrameRate, Picture};
 
@@ -14,7 +15,6 @@ const HEIGHT: u32 = 180;
 const LEFT: [u8; 4] = [220, 40, 30, 255];
 const RIGHT: [u8; 4] = [20, 60, 200, 255];
 const FRAMES: usize = 60;
-const PATIENCE: Duration = Duration::from_secs(1200);
 
 struct Running(Child);
 
@@ -57,7 +57,7 @@ fn another_program_sees_it() {
     let socket = runtime.path().join("pipewire-0");
     let began = Instant::now();
     while !socket.exists() {
-        assert!(began.elapsed() < PATIENCE, "pipewire does not come up");
+        assert!(began.elapsed() < HANGS, "pipewire does not come up");
         std::thread::sleep(Duration::from_millis(20));
     }
     // It connects readers with cameras, and wants a bus.
@@ -100,7 +100,7 @@ fn within_the_daemon() {
         }
     };
     for _ in 0..FRAMES {
-        let frame = frames.recv_timeout(PATIENCE).expect("another frame");
+        let frame = frames.recv_timeout(HANGS).expect("another frame");
         check(&frame, [LEFT, RIGHT]);
         count += 1;
     }
@@ -108,7 +108,7 @@ fn within_the_daemon() {
     camera.picture(&mut halves(RIGHT, LEFT));
     let handed_over = Instant::now();
     let changed = loop {
-        let frame = frames.recv_timeout(PATIENCE).expect("another frame");
+        let frame = frames.recv_timeout(HANGS).expect("another frame");
         if frame[0].abs_diff(RIGHT[0]) <= 1 {
             break frame;
         }
@@ -130,7 +130,7 @@ fn first_frames(camera: &mut LiveCamera) -> (Running, Receiver<Vec<u8>>) {
     let began = Instant::now();
     camera.picture(&mut halves(LEFT, RIGHT));
     let mut wait = Duration::from_secs(5);
-    while began.elapsed() < PATIENCE {
+    while began.elapsed() < HANGS {
         if let Some(why) = camera.trouble() {
             panic!("{why}");
         }
@@ -153,6 +153,17 @@ fn first_frames(camera: &mut LiveCamera) -> (Running, Receiver<Vec<u8>>) {
 }
 
 #[test]
+fn a_device_is_no_option_of_ffmpeg() {
+    for name in ["-y", "video2", "file:video2", ""] {
+        let target = CameraTarget::Device(name.into());
+        let Err(why) = LiveCamera::open(&target, (WIDTH, HEIGHT), FrameRate::per_second(30)) else {
+            panic!("{name} is taken");
+        };
+        assert!(why.to_string().contains("whole path"), "{why}");
+    }
+}
+
+#[test]
 fn what_ends_says_why() {
     if !is_there("gst-launch-1.0") && !is_there("ffmpeg") {
         return println!("skipped: neither gst-launch-1.0 nor ffmpeg");
@@ -168,7 +179,7 @@ fn what_ends_says_why() {
         if let Some(why) = camera.trouble() {
             break why;
         }
-        assert!(began.elapsed() < PATIENCE, "it does not end");
+        assert!(began.elapsed() < HANGS, "it does not end");
         std::thread::sleep(Duration::from_millis(10));
     };
     assert!(why.to_string().starts_with("camera: "), "{why}");

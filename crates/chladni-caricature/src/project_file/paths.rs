@@ -50,7 +50,7 @@ fn real_place(file: &Path) -> Option<PathBuf> {
 }
 
 /// `path` from the root on. In a page there are no folders, so that it stays as it was written.
-fn whole(path: &Path) -> PathBuf {
+pub(super) fn whole(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 

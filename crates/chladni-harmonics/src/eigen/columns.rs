@@ -41,3 +41,30 @@ impl Kernel for WriteColumns<'_, '_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::{alike, run_for};
+
+    #[test]
+    fn columns_are_written_on_every_kind_of_processor() {
+        let block: Vec<Row> = (0..19).map(|i| std::array::from_fn(|j| (8 * i + j) as f64)).collect();
+        let places: Vec<(u32, f64)> = (0..19).map(|i| ((5 * i + 2) % 19, 1.0 / f64::from(i + 3))).collect();
+        let columns = alike(|processor| {
+            let mut columns = vec![vec![0.0; 19]; BLOCK];
+            let mut views: Vec<Option<&mut [f64]>> = columns.iter_mut().map(|c| Some(&mut c[..])).collect();
+            // One column is left out.
+            views[5] = None;
+            let columns_of = views.as_mut_slice().try_into().ok()?;
+            run_for(processor, WriteColumns { block: &block, places: &places, columns: columns_of })?;
+            Some(columns)
+        });
+        for (j, column) in columns.iter().enumerate() {
+            for (value, &(row, factor)) in column.iter().zip(&places) {
+                let exact = if j == 5 { 0.0 } else { factor * block[row as usize][j] };
+                assert_eq!(*value, exact, "column {j}");
+            }
+        }
+    }
+}

@@ -118,3 +118,29 @@ impl Kernel for Times<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::{alike, run_for};
+
+    #[test]
+    fn images_are_right_on_every_kind_of_processor() {
+        let edges: Vec<(u32, u32, f64)> =
+            (0..40).map(|v| (v, (7 * v + 6) % 41, 1.0 + f64::from(v % 3))).collect();
+        let matrix = SymmetricSparse::laplacian(41, &edges);
+        let x: Vec<Row> =
+            (0..41).map(|i| std::array::from_fn(|j| ((i * 31 + j * 17) % 101) as f64)).collect();
+        let image = alike(|processor| {
+            let mut image = vec![[0.0; 8]; 41];
+            run_for(processor, Times { matrix: &matrix, x: &x, image: &mut image })?;
+            Some(image)
+        });
+        for j in 0..8 {
+            let exact = matrix.times(&x.iter().map(|row| row[j]).collect::<Vec<f64>>());
+            for (image, exact) in image.iter().zip(exact) {
+                assert!((image[j] - exact).abs() < 1e-10, "{} {exact}", image[j]);
+            }
+        }
+    }
+}

@@ -343,48 +343,5 @@ pub(super) fn row_times<L: Lanes>(lanes: L, matrix: &SymmetricSparse, i: usize, 
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::simd::{PROCESSORS, run_for};
-
-    fn block(n: usize, seed: usize) -> Vec<Row> {
-        (0..n)
-            .map(|i| std::array::from_fn(|j| ((i * 31 + j * 17 + seed * 7) % 101) as f64 / 50.0 - 1.0))
-            .collect()
-    }
-
-    #[test]
-    fn overlaps_and_products_are_right_for_all_sizes_on_every_kind_of_processor() {
-        for (n, wide, deep) in [(1, 1, 1), (7, 2, 3), (64, 3, 1), (71, 4, 2), (200, 5, 4), (131, 7, 3)] {
-            let basis: Vec<Vec<Row>> = (0..deep).map(|s| block(n, s)).collect();
-            let xs: Vec<Vec<Row>> = (0..wide).map(|s| block(n, 50 + s)).collect();
-            let v: Vec<&[Row]> = basis.iter().map(Vec::as_slice).collect();
-            let x: Vec<&[Row]> = xs.iter().map(Vec::as_slice).collect();
-            let c: Vec<Small> = (0..wide * deep).map(|s| *block(8, 90 + s).first_chunk().unwrap()).collect();
-            for processor in PROCESSORS {
-                let mut sums = vec![[[0.0; 8]; BLOCK]; wide * deep];
-                if run_for(processor, Overlaps { basis: &v, xs: &x, upper: false, sums: &mut sums }).is_none()
-                {
-                    continue;
-                }
-                let mut left = xs.clone();
-                let mut views: Vec<&mut [Row]> = left.iter_mut().map(Vec::as_mut_slice).collect();
-                run_for(processor, SubtractProducts { xs: &mut views, basis: &v, coefficients: &c });
-                for (b, a) in (0..deep).flat_map(|b| (0..wide).map(move |a| (b, a))) {
-                    for (i, j) in (0..8).flat_map(|i| (0..8).map(move |j| (i, j))) {
-                        let exact: f64 = (0..n).map(|k| basis[b][k][i] * xs[a][k][j]).sum();
-                        assert!((sums[b * wide + a][i][j] - exact).abs() < 1e-12 * n as f64, "{processor:?}");
-                    }
-                }
-                for (a, k, j) in
-                    (0..wide).flat_map(|a| (0..n).flat_map(move |k| (0..8).map(move |j| (a, k, j))))
-                {
-                    let product =
-                        |b: usize| (0..8).map(|i| basis[b][k][i] * c[b * wide + a][i][j]).sum::<f64>();
-                    let exact = xs[a][k][j] - (0..deep).map(product).sum::<f64>();
-                    assert!((left[a][k][j] - exact).abs() < 1e-12, "{processor:?} {n} {wide} {deep}");
-                }
-            }
-        }
-    }
-}
+#[path = "tall_tests.rs"]
+mod tests;

@@ -38,16 +38,27 @@ impl Factor {
         shift: f64,
         workspace: &mut Workspace,
     ) -> Result<(), ZeroPivot> {
+        dispatch(self.factorization(symbolic, matrix, shift, workspace))
+    }
+
+    /// The work of [`compute`](Self::compute).
+    pub(super) fn factorization<'a>(
+        &'a mut self,
+        symbolic: &'a Symbolic,
+        matrix: &'a SymmetricSparse,
+        shift: f64,
+        workspace: &'a mut Workspace,
+    ) -> Factorize<'a> {
         if self.values.len() != symbolic.values {
             self.values = pages::zeroed(symbolic.values);
         }
         self.inverse_pivots.resize(symbolic.size(), 0.0);
         self.order.resize(symbolic.size(), 0);
-        dispatch(Factorize { factor: self, symbolic, matrix, shift, workspace })
+        Factorize { factor: self, symbolic, matrix, shift, workspace }
     }
 }
 
-struct Factorize<'a> {
+pub(super) struct Factorize<'a> {
     factor: &'a mut Factor,
     symbolic: &'a Symbolic,
     matrix: &'a SymmetricSparse,

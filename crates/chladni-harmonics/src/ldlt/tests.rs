@@ -4,7 +4,7 @@ use super::solve::{Part, Solve};
 use super::solve_one::SolveOne;
 use super::{Factor, Symbolic, Workspace, nested_dissection};
 use crate::SymmetricSparse;
-use crate::simd::{PROCESSORS, run_for};
+use crate::simd::{alike, run_for};
 
 /// The graph Laplacian of a grid with diagonals and a few long edges.
 fn grid(side: u32) -> SymmetricSparse {
@@ -28,38 +28,39 @@ fn grid(side: u32) -> SymmetricSparse {
     SymmetricSparse::laplacian((side * side) as usize, &edges)
 }
 
+/// Factors and solves on every kind of processor; the number of eigenvalues below `shift`.
 fn solves(side: u32, shift: f64) -> usize {
     let matrix = grid(side);
     let n = matrix.size();
     let symbolic = Symbolic::of(&matrix, nested_dissection(&matrix));
     let matrix = matrix.permuted_and_scaled(&symbolic.old, &vec![1.0; n]);
-    let mut factor = Factor::default();
-    factor.compute(&symbolic, &matrix, shift, &mut Workspace::default()).unwrap();
     let value = |i: usize, j: usize| ((i * 31 + j * 17) % 101) as f64 / 50.0 - 1.0;
     let b: Vec<[f64; 8]> = (0..n).map(|i| std::array::from_fn(|j| value(i, j))).collect();
-    for processor in PROCESSORS {
-        let mut x = b.clone();
-        if run_for(processor, Solve { factor: &factor, symbolic: &symbolic, x: &mut x, part: Part::Whole })
-            .is_some()
-        {
-            check_solution(&matrix, shift, &x, &b);
-        }
-        if factor.below_shift == 0 {
-            // Solving the two halves one after the other equals solving the whole.
-            let mut halves = b.clone();
-            for part in [Part::Forward, Part::Backward] {
-                run_for(processor, Solve { factor: &factor, symbolic: &symbolic, x: &mut halves, part });
+    let (below, whole, halves, one) = alike(|processor| {
+        let (mut factor, mut workspace) = (Factor::default(), Workspace::default());
+        let work = factor.factorization(&symbolic, &matrix, shift, &mut workspace);
+        run_for(processor, work)?.unwrap();
+        let solved = |parts: &[Part]| {
+            let mut x = b.clone();
+            for &part in parts {
+                run_for(processor, Solve { factor: &factor, symbolic: &symbolic, x: &mut x, part }).unwrap();
             }
-            check_solution(&matrix, shift, &halves, &b);
-        }
+            x
+        };
+        let halves = (factor.below_shift == 0).then(|| solved(&[Part::Forward, Part::Backward]));
         let mut one: Vec<f64> = b.iter().map(|row| row[3]).collect();
-        if run_for(processor, SolveOne { factor: &factor, symbolic: &symbolic, x: &mut one }).is_some() {
-            let column = |x: &[f64]| -> Vec<[f64; 8]> { x.iter().map(|x| [*x; 8]).collect() };
-            let b: Vec<f64> = b.iter().map(|row| row[3]).collect();
-            check_solution(&matrix, shift, &column(&one), &column(&b));
-        }
+        run_for(processor, SolveOne { factor: &factor, symbolic: &symbolic, x: &mut one }).unwrap();
+        Some((factor.below_shift, solved(&[Part::Whole]), halves, one))
+    });
+    check_solution(&matrix, shift, &whole, &b);
+    if let Some(halves) = halves {
+        // Solving the two halves one after the other equals solving the whole.
+        check_solution(&matrix, shift, &halves, &b);
     }
-    factor.below_shift
+    let eightfold = |column: Vec<f64>| -> Vec<[f64; 8]> { column.into_iter().map(|x| [x; 8]).collect() };
+    let fourth = b.iter().map(|row| row[3]).collect();
+    check_solution(&matrix, shift, &eightfold(one), &eightfold(fourth));
+    below
 }
 
 fn check_solution(matrix: &SymmetricSparse, shift: f64, x: &[[f64; 8]], b: &[[f64; 8]]) {

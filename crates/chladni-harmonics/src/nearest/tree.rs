@@ -183,3 +183,41 @@ fn distance_to_box(tree: &PointTree, query: &[Row], node: usize) -> f64 {
     }
     total(&sums)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{padded, squared_distance};
+    use super::*;
+    use crate::simd::{alike, run_for};
+
+    #[test]
+    fn the_first_of_the_nearest_is_found_on_every_kind_of_processor() {
+        for dimensions in [3, 20] {
+            let mut chance = chladni_testdata::chance(dimensions as u64);
+            // Some of them equal, and many at the same distance.
+            let mut points = |count: usize| -> Vec<f64> {
+                (0..count * dimensions).map(|_| ((chance() >> 40) % 5) as f64 / 4.0).collect()
+            };
+            let (points, queries) = (points(600), points(200));
+            let (rows, asked) = (padded(&points, dimensions), padded(&queries, dimensions));
+            let tree = PointTree::new(&points, dimensions, &rows);
+            let found = alike(|processor| {
+                let mut found = vec![0; 200];
+                let search = Search {
+                    tree: &tree,
+                    queries: &asked,
+                    guesses: &[],
+                    most: usize::MAX,
+                    found: &mut found,
+                };
+                run_for(processor, search)?.then_some(found)
+            });
+            for (query, found) in asked.chunks(tree.width).zip(found) {
+                let to = |(i, point)| (squared_distance(query, point), i);
+                let all = rows.chunks(tree.width).enumerate().map(to);
+                let first = all.min_by(|a: &(f64, usize), b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                assert_eq!(first.unwrap().1, found as usize);
+            }
+        }
+    }
+}

@@ -111,6 +111,38 @@ mod tests {
     }
 
     #[test]
+    fn hostile_shapes_keep_the_promises() {
+        let mut chance = chladni_testdata::chance(7);
+        let mut draw = |below: usize| (chance() >> 33) as usize % below;
+        let extremes =
+            [0.0, -0.0, 1.0, 1.0 + f32::EPSILON, f32::MIN_POSITIVE, 1e-45, 1e20, -1e20, f32::MAX, f32::MIN];
+        for case in 0..200 {
+            let count = 1 + draw(40);
+            // Few values, so that vertices coincide and triangles collapse; all of them, or those of a usual shape.
+            let usual = case % 2 == 0;
+            let values = if usual { &extremes[..4] } else { &extremes[..] };
+            let positions: Vec<[f32; 3]> =
+                (0..count).map(|_| std::array::from_fn(|_| values[draw(values.len())])).collect();
+            // Corners repeat within a triangle, triangles repeat, and some name vertices that are not there.
+            let mut triangles: Vec<[u32; 3]> = (0..1 + draw(120))
+                .map(|_| std::array::from_fn(|_| draw(count + usize::from(case % 3 == 0)) as u32))
+                .collect();
+            let last = u32::try_from(positions.len()).expect("few");
+            triangles.extend([triangles[0], [0; 3], [last, u32::MAX, 0]]);
+            let wanted = [count, count / 2, count / 4, 1, 0];
+            let found = details(&positions, &triangles, &wanted);
+            assert!(found.len() <= wanted.len(), "{case}");
+            for (detail, wanted) in found.iter().zip(wanted) {
+                let named: HashSet<u32> = detail.triangles.iter().flatten().copied().collect();
+                assert!(named.iter().all(|v| *v < last), "{case}: a vertex that is not there");
+                assert_eq!(named.len(), detail.vertices, "{case}");
+                assert!(!detail.triangles.is_empty() && 3 * detail.triangles.len() <= 6 * wanted, "{case}");
+            }
+            assert_eq!(found, details(&positions, &triangles, &wanted), "{case}: by chance");
+        }
+    }
+
+    #[test]
     fn what_cannot_become_smaller_stays() {
         let ring = [[0, 1, 2], [2, 1, 0]];
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, f32::NAN]];

@@ -42,6 +42,7 @@ use chladni_view::Draw;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
 
+pub use caricature::meshes_listed;
 pub use terminal::Terminal;
 
 use crate::work::formats::is_project;

@@ -166,6 +166,7 @@ impl AddLayer {
 
 /// Saves a project where nothing is yet, nor has come there while its shape was read.
 fn save_new(project: &Project, path: &Path) -> Result<(), Error> {
+    project.check_near(path)?;
     let text = project.to_text(path, None).map_err(Error::unsaved)?;
     chladni_task::write_new(path, text.as_bytes()).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => exists_already(path),

@@ -111,6 +111,11 @@ impl Watcher for Terminal {
         self.note(format_args!("warning: {}", plain(advised(&warning, self.takes_stance), &[])));
     }
 
+    /// Files below the current folder are where the user works.
+    fn knows(&self, _document: &Path, file: &Path) -> bool {
+        std::env::current_dir().is_ok_and(|folder| file.starts_with(folder))
+    }
+
     /// Draws the progress once the part has taken over a second, if the system gives a thread for it.
     fn watch<T>(&self, label: &str, part: impl FnOnce(&Task) -> T) -> T {
         let done = Arc::new(AtomicBool::new(false));

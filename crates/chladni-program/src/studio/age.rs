@@ -13,3 +13,20 @@ pub fn changed_ago(modified: Option<SystemTime>) -> Option<String> {
         minutes => format!("changed {} days ago", minutes / 1440),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn an_age_is_said_of_the_past_alone() {
+        let now = SystemTime::now();
+        let days = changed_ago(Some(now - Duration::from_secs(3 * 86_400)));
+        assert_eq!(days.as_deref(), Some("changed 3 days ago"));
+        assert!(changed_ago(Some(SystemTime::UNIX_EPOCH)).is_some_and(|age| age.ends_with(" days ago")));
+        for unknown in [Some(now + Duration::from_secs(365 * 86_400)), None] {
+            assert_eq!(changed_ago(unknown), None);
+        }
+    }
+}

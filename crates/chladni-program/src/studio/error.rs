@@ -14,7 +14,7 @@ pub enum StudioError {
     /// The window system shows no pixels.
     #[error("the window cannot open: {0}; 'chladni --help' lists what works without one")]
     Pixels(#[from] ProcessorWindowError),
-    /// It was lost again as soon as another window had opened.
+    /// It was lost again as soon as a window had opened in which the processor draws.
     #[error(
         "the graphics device fails again and again ({0}); unsaved work is offered when 'chladni open' runs again"
     )]

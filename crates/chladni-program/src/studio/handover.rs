@@ -19,6 +19,8 @@ pub struct Left {
     pub why: String,
     /// The clock of the window; the next one's continues from here.
     pub at_secs: f64,
+    /// From the next window on the processor draws, whatever was chosen.
+    pub falls_to_processor: bool,
 }
 
 /// Holds the contents of a window that has lost its device, for the next one.
@@ -35,6 +37,12 @@ impl Handover {
         *self.0.borrow_mut() = Some(left);
     }
 
+    pub(super) fn fall_to_processor(&self) {
+        if let Some(left) = self.0.borrow_mut().as_mut() {
+            left.falls_to_processor = true;
+        }
+    }
+
     pub(super) fn take(&self) -> Option<Left> {
         self.0.borrow_mut().take()
     }
@@ -49,7 +57,7 @@ impl Studio {
         if !self.rooms.is_empty() {
             let (rooms, current) = (std::mem::take(&mut self.rooms), self.current.take());
             let at_secs = ctx.input(|input| input.time);
-            self.handover.leave(Left { rooms, current, why, at_secs });
+            self.handover.leave(Left { rooms, current, why, at_secs, falls_to_processor: false });
         }
         // egui's painter panics where it has something to paint and no device.
         ctx.graphics_mut(|graphics| *graphics = egui::layers::GraphicLayers::default());

@@ -1,7 +1,7 @@
 //! Measures the window's frame times, and whether the sound kept up.
 
 use std::cell::RefCell;
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 use serde::Serialize;
 
@@ -46,6 +46,8 @@ pub struct Measure {
     /// When each frame came, and where in the song it was.
     frames: Vec<(f64, Option<f64>)>,
     underruns: u64,
+    /// The frames in which their number had grown, and by how much.
+    underruns_at: Vec<(f64, u64)>,
     stage: Option<OnStage>,
     left_out: Option<u64>,
 }
@@ -80,6 +82,8 @@ pub struct FrameReport {
     pub largest_drift_secs: Option<f64>,
     /// How often the sound device was given silence.
     pub underruns: u64,
+    /// When that was noticed, in seconds since 1970, and how often it had been since the time before.
+    pub underruns_at: Vec<(f64, u64)>,
     /// Pictures that a recording left out, where there was one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out: Option<u64>,
@@ -90,7 +94,15 @@ pub struct FrameReport {
 impl Measure {
     /// Counts for a number of seconds, from the first frame on that has a song.
     pub fn new(secs: f64) -> Self {
-        Self { secs, began: None, frames: Vec::new(), underruns: 0, stage: None, left_out: None }
+        Self {
+            secs,
+            began: None,
+            frames: Vec::new(),
+            underruns: 0,
+            underruns_at: Vec::new(),
+            stage: None,
+            left_out: None,
+        }
     }
 
     /// Counts a frame; `sound` is the position in the song and the underruns so far, where one
@@ -105,7 +117,12 @@ impl Measure {
         let began = *self.began.get_or_insert(now);
         let at = (now - began).as_secs_f64();
         self.frames.push((at, sound.map(|sound| sound.0)));
-        self.underruns = sound.map_or(self.underruns, |sound| sound.1);
+        if let Some((_, underruns)) = sound {
+            if underruns > self.underruns {
+                self.underruns_at.push((at, underruns - self.underruns));
+            }
+            self.underruns = underruns;
+        }
         at >= self.secs
     }
 
@@ -122,6 +139,7 @@ impl Measure {
     /// The report; `None` where there were too few frames.
     pub fn report(&self) -> Option<FrameReport> {
         let [first, .., last] = self.frames[..] else { return None };
+        let began = unix_secs(self.began?);
         let secs = last.0 - first.0;
         // Each pause belongs to the quarter in which it begins.
         let quarter_of = |at: f64| ((4.0 * (at - first.0) / secs) as usize).min(3);
@@ -146,10 +164,17 @@ impl Measure {
             song_secs: last.1.zip(first.1).map(|(last, first)| last - first),
             largest_drift_secs: (!offsets.is_empty()).then_some(drift),
             underruns: self.underruns,
+            underruns_at: self.underruns_at.iter().map(|(at, count)| (began + at, *count)).collect(),
             left_out: self.left_out,
             stage: self.stage,
         })
     }
+}
+
+/// The seconds from 1970 to a time that is past, by the system's clock of now: other programs know no instants.
+fn unix_secs(then: Instant) -> f64 {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    now.as_secs_f64() - then.elapsed().as_secs_f64()
 }
 
 /// The median; 0 if there are no values.
@@ -177,6 +202,9 @@ mod tests {
         assert!(measure.frame(at(1200), None));
         let report = measure.report().unwrap();
         assert_eq!((report.frames, report.underruns), (5, 2));
+        // One in the first frame that counts, and one a second later.
+        let [(first, 1), (second, 1)] = report.underruns_at[..] else { panic!("{:?}", report.underruns_at) };
+        assert!((second - first - 1.0).abs() < 1e-3, "{first}, then {second}");
         assert!((report.secs - 1.0).abs() < 1e-9 && (report.longest_frame_secs - 0.5).abs() < 1e-9);
         assert!((report.median_frame_secs - 0.3).abs() < 1e-9);
         for (found, exact) in report.median_quarters_secs.iter().zip([0.3, 0.1, 0.5, 0.0]) {

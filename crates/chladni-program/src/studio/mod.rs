@@ -178,8 +178,13 @@ impl Studio {
         let inherited_secs = left.as_ref().map(|left| left.at_secs);
         let (rooms, current): (Vec<Box<dyn Room>>, _) = match left {
             Some(left) => {
+                let drawn = if left.falls_to_processor {
+                    "; the processor draws from now on, until the program starts again"
+                } else {
+                    ""
+                };
                 notices.warn(format!(
-                    "The graphics device was lost ({}); the window opened again with all that was open.",
+                    "The graphics device was lost ({}); the window opened again with all that was open{drawn}.",
                     left.why
                 ));
                 (left.rooms, left.current)
@@ -457,6 +462,7 @@ impl eframe::App for Studio {
 
 #[cfg(test)]
 mod tests {
+    use super::handover::Left;
     use super::*;
 
     #[test]
@@ -479,5 +485,19 @@ mod tests {
         studio.write_settings();
         let kept = Settings::load(&path).unwrap();
         assert!(kept.light && kept.harmonics == 128);
+    }
+
+    #[test]
+    fn the_processor_is_said_to_take_over_only_where_it_does() {
+        let said = |falls_to_processor: bool| {
+            let (ctx, handover) = (egui::Context::default(), Handover::default());
+            let (why, at_secs) = ("full".to_owned(), 0.0);
+            handover.leave(Left { rooms: Vec::new(), current: None, why, at_secs, falls_to_processor });
+            let opening = Opening { handover, ..Opening::default() };
+            format!("{:?}", Studio::on(&ctx, Screen::processor(&ctx, None), opening).notices)
+        };
+        assert!(said(true).contains("(full)") && said(true).contains("the processor draws from now on"));
+        // It drew before, too, where the window has no card.
+        assert!(said(false).contains("(full)") && !said(false).contains("processor"));
     }
 }

@@ -31,13 +31,14 @@ pub(super) const WINDOW: [f32; 2] = [1320.0, 820.0];
 /// The fewest points on which everything has room.
 pub(super) const SMALLEST: [f32; 2] = [900.0, 600.0];
 
-/// If a device is lost sooner than this after its window has opened, give up.
+/// If a device is lost sooner than this after its window has opened again, it fails again and again.
 const SHORTEST: Duration = Duration::from_secs(10);
 
 /// Opens the window on the start screen, or on `files` where some are given, and returns when it is closed. With a
 /// measure it closes by itself when all is counted, and with a first picture as soon as that is shown; it closes,
 /// too, once `ends` is cancelled. The music room begins the `set`. Where the processor draws, it paints the window, too.
-/// If the graphics device is lost, another window goes on with the same rooms.
+/// If the graphics device is lost, another window goes on with the same rooms; if it fails again and again, the processor
+/// draws them.
 pub fn open(
     mut files: Vec<PathBuf>,
     mut set: SetPlan,
@@ -50,9 +51,11 @@ pub fn open(
         return Err(StudioError::NoDisplay);
     }
     let handover = Handover::default();
-    loop {
-        let began = Instant::now();
-        open_once(Opening {
+    // The system's events can be asked for in one way only, so that the first window decides which of two kinds the next
+    // ones are.
+    let is_graphical = draw.means_graphics();
+    let open_next = |draw: Draw| {
+        let opening = Opening {
             folders: Folders::of_user(),
             chooser: Box::new(SystemDialogs::drawn(draw)),
             files: std::mem::take(&mut files),
@@ -63,22 +66,44 @@ pub fn open(
             draw,
             ends: Some(ends.clone()),
             ..Opening::default()
-        })?;
-        match handover.reason() {
-            None => return Ok(()),
-            Some(why) if began.elapsed() < SHORTEST => return Err(StudioError::DeviceLost(why)),
-            Some(_) => {}
+        };
+        open_once(opening, is_graphical)
+    };
+    go_on(&handover, draw, open_next, Instant::now)
+}
+
+/// Opens a window by `open_next`, which takes the choice of what draws, and another whenever the last one has lost its
+/// device, until one closes for another reason. The processor draws where a device is lost again as soon as its window is open;
+/// if the window's own painter still loses it, that is the end.
+fn go_on(
+    handover: &Handover,
+    mut draw: Draw,
+    mut open_next: impl FnMut(Draw) -> Result<(), StudioError>,
+    now: impl Fn() -> Instant,
+) -> Result<(), StudioError> {
+    let mut is_first = true;
+    loop {
+        let began = now();
+        open_next(draw)?;
+        let Some(why) = handover.reason() else { return Ok(()) };
+        if !is_first && now() - began < SHORTEST {
+            if draw == Draw::Cpu {
+                return Err(StudioError::DeviceLost(why));
+            }
+            draw = Draw::Cpu;
+            handover.fall_to_processor();
         }
+        is_first = false;
     }
 }
 
-fn open_once(opening: Opening) -> Result<(), StudioError> {
+fn open_once(opening: Opening, is_graphical: bool) -> Result<(), StudioError> {
     let viewport = egui::ViewportBuilder::default()
         .with_title(TITLE)
         .with_app_id("chladni")
         .with_inner_size(WINDOW)
         .with_min_inner_size(SMALLEST);
-    if !opening.draw.means_graphics() {
+    if !is_graphical {
         let create = |ctx: &egui::Context, window: &Arc<Window>| -> Box<dyn Program> {
             Box::new(Studio::on(ctx, Screen::processor(ctx, Some(Arc::clone(window))), opening))
         };
@@ -191,5 +216,68 @@ impl Default for Opening {
             now: Instant::now,
             patience: PATIENCE,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::super::caricature::CaricatureRoom;
+    use super::super::handover::Left;
+    use super::super::room::Room;
+    use super::*;
+
+    /// Opens windows that lose their device after this many seconds each, and then one that closes by itself. Returns what
+    /// drew in each, and how it ended; the rooms must be the same throughout, and a window knows where the choice fell to the
+    /// processor with it.
+    fn windows_of(lasting_secs: &[u64]) -> (Vec<Draw>, Result<(), StudioError>) {
+        let (handover, clock) = (Handover::default(), Cell::new(Instant::now()));
+        let room = CaricatureRoom::waiting(PATIENCE);
+        let mut rooms: Vec<Box<dyn Room>> = vec![Box::new(room)];
+        let place = |rooms: &[Box<dyn Room>]| {
+            rooms.iter().map(|room| std::ptr::from_ref(room.as_ref()).cast::<()>()).collect::<Vec<_>>()
+        };
+        let first = place(&rooms);
+        let mut drawn = Vec::new();
+        let open_next = |draw: Draw| {
+            if let Some(left) = handover.take() {
+                rooms = left.rooms;
+                assert_eq!(left.falls_to_processor, draw == Draw::Cpu && drawn.last() != Some(&Draw::Cpu));
+            }
+            assert_eq!(place(&rooms), first);
+            let lasted = lasting_secs.get(drawn.len());
+            drawn.push(draw);
+            if let Some(secs) = lasted {
+                clock.set(clock.get() + Duration::from_secs(*secs));
+                let left = Left {
+                    rooms: std::mem::take(&mut rooms),
+                    current: None,
+                    why: "full".into(),
+                    at_secs: 0.0,
+                    falls_to_processor: false,
+                };
+                handover.leave(left);
+            }
+            Ok(())
+        };
+        let outcome = go_on(&handover, Draw::Auto, open_next, || clock.get());
+        (drawn, outcome)
+    }
+
+    #[test]
+    fn after_a_device_is_lost_twice_in_a_row_the_processor_draws_the_same_rooms() {
+        let (drawn, outcome) = windows_of(&[3, 3]);
+        assert!(outcome.is_ok());
+        assert_eq!(drawn, [Draw::Auto, Draw::Auto, Draw::Cpu]);
+        // An hour may lie between, and losses that are rare are none of a device that fails.
+        assert_eq!(
+            windows_of(&[3600, 3, 3600, 11]).0,
+            [Draw::Auto, Draw::Auto, Draw::Cpu, Draw::Cpu, Draw::Cpu]
+        );
+        assert_eq!(windows_of(&[11, 3600, 11]).0, [Draw::Auto; 4]);
+        let (drawn, outcome) = windows_of(&[3, 3, 3]);
+        assert!(matches!(outcome, Err(StudioError::DeviceLost(why)) if why == "full"));
+        assert_eq!(drawn.len(), 3);
     }
 }

@@ -17,6 +17,8 @@ pub struct Screen {
     device: Device,
     way: Way,
     draw: Draw,
+    /// Of the device that paints the window, whatever draws the views.
+    loss: DeviceLoss,
     /// Whom to ask for monitors.
     window: Option<Arc<Window>>,
 }
@@ -49,7 +51,8 @@ impl Screen {
             ),
             None => Self::processor(&creation.egui_ctx, window),
         };
-        Ok(Self { draw, ..screen })
+        let loss = state.map(|state| DeviceLoss::watch(&state.device)).unwrap_or_default();
+        Ok(Self { draw, loss, ..screen })
     }
 
     /// The processor, for a window that is painted by anything.
@@ -63,13 +66,13 @@ impl Screen {
         if let Some(window) = &window {
             super::screen_changes::follow(window);
         }
-        Self { device, way, draw: Draw::Auto, window }
+        Self { device, way, draw: Draw::Auto, loss: DeviceLoss::default(), window }
     }
 
     /// One that nobody looks at.
     pub fn unseen(device: &Device) -> Self {
         let way = Way::Pixels(egui::Context::default());
-        Self { device: device.clone(), way, draw: Draw::Auto, window: None }
+        Self { device: device.clone(), way, draw: Draw::Auto, loss: DeviceLoss::default(), window: None }
     }
 
     /// The device that draws.
@@ -88,12 +91,9 @@ impl Screen {
         all.zip(1..).map(|(monitor, i)| monitor.name().unwrap_or_else(|| format!("Screen {i}"))).collect()
     }
 
-    /// Word of the device's loss; none ever comes of the processor.
+    /// Word of the loss of the device that paints the window; none ever comes of the processor.
     pub fn loss(&self) -> DeviceLoss {
-        match &self.way {
-            Way::Textures(state) => DeviceLoss::watch(&state.device),
-            Way::Pixels(_) => DeviceLoss::default(),
-        }
+        self.loss.clone()
     }
 
     /// Has `canvas` shown under the name that `before` had, where there was one.

@@ -185,6 +185,11 @@ impl Settings {
         self.recent.truncate(RECENT);
     }
 
+    /// Whether the user has opened or saved the document at `document` or the `file` that it names of late.
+    pub fn knows(&self, document: &Path, file: &Path) -> bool {
+        [document, file].into_iter().any(|path| self.recent.contains(&whole_path(path)))
+    }
+
     /// A file edited by hand may hold anything.
     fn bounded(mut self) -> Self {
         self.zoom = if self.zoom.is_finite() { self.zoom.clamp(0.5, 3.0) } else { 1.0 };

@@ -7,6 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use chladni_music::{FileRef, Looks};
+use chladni_task::asks_another_machine;
 
 use super::source::from_anywhere;
 use super::{Error, Warning};
@@ -33,6 +34,13 @@ pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
         return FileRef { path: path.to_string_lossy().into_owned(), blake3: None };
     }
     FileRef { path: place(path, folder), blake3: known_hash(path) }
+}
+
+/// Whether a document in `folder` names a file of another machine, which it is not looked for on. A name without a folder is
+/// one that we wrote down ourselves, in a copy against a crash.
+pub fn is_far(named: &Path, folder: Option<&Path>) -> bool {
+    let whole = |folder: &Path| std::path::absolute(folder.join(".")).unwrap_or_else(|_| folder.to_owned());
+    folder.is_some_and(|folder| asks_another_machine(named, &whole(folder)))
 }
 
 /// Whether the file at `path` is not found again as `named`: a show is text, which not every name of a file is.
@@ -66,7 +74,8 @@ pub fn resolve(file: &FileRef, folder: Option<&Path>) -> Result<(PathBuf, Option
     Ok((found, warning))
 }
 
-/// The path of a file that a show in `folder` names, without reading it.
+/// The path of a file that a show in `folder` names, without reading it. One of [another machine](is_far) is looked for beside
+/// the show only.
 ///
 /// # Errors
 /// [`Error::Input`] where there is no such file.
@@ -79,9 +88,17 @@ pub fn find(file: &FileRef, folder: Option<&Path>) -> Result<PathBuf, Error> {
     let beside = named.file_name().and_then(|name| in_folder(Path::new(name)));
     // Elsewhere, a path from Windows is one name.
     let of_windows = file.path.rsplit(['/', '\\']).next().and_then(|name| in_folder(Path::new(name)));
-    let places = [in_folder(named), Some(named.to_owned()), beside, of_windows];
-    places.into_iter().flatten().find(|path| path.is_file()).ok_or_else(|| {
-        Error::Input(format!("{}: the file of this show is not there, nor beside the show", file.path))
+    let is_far = is_far(named, folder);
+    let as_named = [in_folder(named), Some(named.to_owned())].into_iter().filter(|_| !is_far);
+    let mut places = as_named.chain([beside, of_windows]).flatten();
+    places.find(|path| path.is_file()).ok_or_else(|| {
+        let why = if is_far {
+            "the file of this show is on another machine, where it is not looked for, and not beside the show: connect that \
+             share as a drive and choose it there, or keep the file beside the show"
+        } else {
+            "the file of this show is not there, nor beside the show"
+        };
+        Error::Input(format!("{}: {why}", file.path))
     })
 }
 
@@ -91,8 +108,11 @@ pub fn changed_since(found: &Path, named: &FileRef) -> Option<Warning> {
     other.then(|| Warning::of(found.display(), "is not the file that the show was made with"))
 }
 
-/// Where a file that a show in `folder` names would lie; of one that is not there now, but may come back.
+/// Where a file that a show in `folder` names would lie; of one that is not there now, but may come back. One of
+/// [another machine](is_far) would lie beside the show.
 pub fn placed(named: &str, folder: Option<&Path>) -> PathBuf {
+    let is_far = is_far(Path::new(named), folder);
+    let named = named.rsplit(['/', '\\']).next().filter(|_| is_far).unwrap_or(named);
     folder.map_or_else(|| PathBuf::from(named), |folder| folder.join(named))
 }
 
@@ -215,6 +235,13 @@ mod tests {
         assert_eq!(resolve(&far, Some(new.path())).unwrap(), (song, None));
         let of_windows = FileRef { path: r"D:\Songs\a.wav".into(), blake3: None };
         assert_eq!(resolve(&of_windows, Some(new.path())).unwrap(), (moved, None));
+        // Nor is another machine asked; a copy of our own names what was open.
+        let far = FileRef { path: r"\\server\share\a.wav".into(), blake3: None };
+        assert_eq!(resolve(&far, Some(new.path())).unwrap(), (new.path().join("a.wav"), None));
+        let gone = FileRef { path: r"\\server\share\b.wav".into(), blake3: None };
+        assert!(find(&gone, Some(new.path())).unwrap_err().to_string().contains("another machine"));
+        assert_eq!(placed(&gone.path, Some(new.path())), new.path().join("b.wav"));
+        assert!(is_far(Path::new(&gone.path), Some(Path::new(""))) && !is_far(Path::new(&gone.path), None));
         let sample = refer(Path::new("sample:octopus"), None);
         assert_eq!(resolve(&sample, None).unwrap(), ("sample:octopus".into(), None));
     }

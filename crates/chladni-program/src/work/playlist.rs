@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use super::Error;
 use super::formats::{self, Kind};
+use super::{Error, is_far};
 
 /// Songs are looked for in folders within folders down to this depth.
 const DEEPEST: usize = 8;
@@ -47,12 +47,17 @@ pub fn songs_of(path: &Path) -> Result<Songs, Error> {
         let bytes = chladni_task::read_file(path, MOST_BYTES).map_err(unread)?;
         let folder = path.parent().unwrap_or(Path::new("."));
         let (there, gone): (Vec<_>, Vec<_>) =
-            entries(&text(&bytes), folder).into_iter().partition(|entry| entry.is_file());
+            entries(&text(&bytes), folder).into_iter().partition(|entry| is_there(entry, folder));
         found.songs = there;
-        let first = gone.first().map(|first| first.display().to_string());
-        found.warning = first.map(|first| match gone.len() {
-            1 => format!("{}: {first} is not there", path.display()),
-            count => format!("{}: {count} songs are not there, such as {first}", path.display()),
+        found.warning = gone.first().map(|first| match (gone.len(), first.display()) {
+            (1, shown) if is_far(first, Some(folder)) => {
+                format!(
+                    "{}: {shown} is on another machine than the list, and not looked for there",
+                    path.display()
+                )
+            }
+            (1, first) => format!("{}: {first} is not there", path.display()),
+            (count, first) => format!("{}: {count} songs are not there, such as {first}", path.display()),
         });
     }
     if found.songs.len() > MOST_SONGS {
@@ -145,9 +150,14 @@ fn entries(text: &str, folder: &Path) -> Vec<PathBuf> {
             // Lists of other systems, and of VLC, which writes names as in addresses.
             let others = [line.replace('\\', "/"), chladni_task::percent_decoded(&line)];
             let mut paths = [as_written.clone()].into_iter().chain(others.map(|line| folder.join(line)));
-            paths.find(|path| path.is_file()).unwrap_or(as_written)
+            paths.find(|path| is_there(path, folder)).unwrap_or(as_written)
         })
         .collect()
+}
+
+/// Whether a list in `folder` names a file that is there; no other machine is asked.
+fn is_there(path: &Path, folder: &Path) -> bool {
+    !is_far(path, Some(folder)) && path.is_file()
 }
 
 #[cfg(test)]

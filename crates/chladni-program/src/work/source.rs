@@ -9,7 +9,7 @@ use chladni_harmonics::available_memory;
 use chladni_mesh::samples::{SAMPLES, portrait_sliders};
 use chladni_mesh::{Format, Loaded, MeshError, ShapeSource, TriMesh, nothing_beside, read_named_mesh};
 use chladni_sound::{Song, SongOptions, SongReader, SoundError, sample_tune};
-use chladni_task::open_file;
+use chladni_task::{folder_of, open_file, where_it_leads};
 
 use super::formats::{TUNE, is_project};
 use super::{Error, Warning, Watcher};
@@ -112,7 +112,7 @@ pub fn check_there(source: &ShapeSource, watcher: &impl Watcher) -> Result<(), E
     shape(source, watcher).map(drop)
 }
 
-/// The project at `path`; warns where it was made by an older program.
+/// The project at `path`; warns where it was made by an older program, or reads files [outside its folder](outside).
 ///
 /// # Errors
 /// [`Error::Caricature`] with the file's name, and [`Error::Input`] for a mesh.
@@ -123,7 +123,23 @@ pub fn project(path: &Path, watcher: &impl Watcher) -> Result<Project, Error> {
             "{path}: is a mesh: chladni project new {path} -o NAME.chladni makes a project of it"
         )));
     }
-    Ok(aged(path, Project::load(path)?, watcher))
+    let project = aged(path, Project::load(path)?, watcher);
+    watcher.warn_each(outside(path, &project, |file| watcher.knows(path, file)));
+    Ok(project)
+}
+
+/// A warning where the project at `path` reads a file outside its own folder that is not `known`: what is made of the project
+/// holds what is in that file, and may be sent on.
+pub fn outside(path: &Path, project: &Project, known: impl Fn(&Path) -> bool) -> Option<Warning> {
+    // Beside the project as it is spelled, or beside the file that a link leads to.
+    let folders = [path, &where_it_leads(path)].map(|path| folder_of(path).canonicalize());
+    let is_inside = |file: &Path| folders.iter().flatten().any(|folder| file.starts_with(folder));
+    let is_outside = |file: &Path| file.canonicalize().is_ok_and(|file| !is_inside(&file));
+    let file = project.files().into_iter().find(|file| is_outside(file) && !known(file))?;
+    Some(Warning::of(
+        path.display(),
+        format_args!("reads {}, which lies outside its own folder", file.display()),
+    ))
 }
 
 /// The project in the `text` of a file called `name`; warns where it was made by an older program.
@@ -315,6 +331,42 @@ mod tests {
         assert!(why.contains("is a mesh: chladni project new"), "{why}");
         let why = song("tune", 0.0, None, &aside).map(drop).unwrap_err().to_string();
         assert!(why.ends_with("; sample:tune is a sample"), "{why}");
+    }
+
+    #[test]
+    fn a_project_that_reads_files_outside_its_folder_says_so_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir_all(at("work/heads")).unwrap();
+        for name in ["secret.obj", "work/heads/a.obj"] {
+            std::fs::write(at(name), "not read yet").unwrap();
+        }
+        let warned = |shape: &str, known: &[PathBuf]| -> Vec<String> {
+            let (path, task) = (at("work/p.chladni"), Task::new());
+            let text = format!("format_version = 4\n[shape]\nsource = {shape:?}\n");
+            std::fs::write(&path, text).unwrap();
+            let aside = Aside::new(&task).knowing(known.to_vec());
+            project(&path, &aside).unwrap();
+            aside.warnings().iter().map(ToString::to_string).filter(|said| said.contains("outside")).collect()
+        };
+        for inside in
+            ["heads/a.obj", "heads/../heads/a.obj", "../work/heads/a.obj", "../gone.obj", "sample:head"]
+        {
+            assert_eq!(warned(inside, &[]), Vec::<String>::new(), "{inside}");
+        }
+        let absolute = at("secret.obj").to_str().unwrap().to_owned();
+        for outside in ["../secret.obj", "heads/../../secret.obj", &absolute] {
+            let said = warned(outside, &[]);
+            assert!(said.len() == 1 && said[0].contains("secret.obj"), "{outside}: {said:?}");
+        }
+        for known in ["secret.obj", "work/p.chladni"] {
+            assert_eq!(warned("../secret.obj", &[at(known)]), Vec::<String>::new(), "{known}");
+        }
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink("../secret.obj", at("work/link.obj")).unwrap();
+            assert_eq!(warned("link.obj", &[]).len(), 1);
+        }
     }
 
     #[test]

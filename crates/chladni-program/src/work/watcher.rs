@@ -1,6 +1,7 @@
 //! The observer of work: a terminal, a window, or a collector of warnings.
 
 use std::cell::RefCell;
+use std::path::{Path, PathBuf};
 
 use chladni_task::Task;
 
@@ -19,6 +20,11 @@ pub trait Watcher {
         warnings.into_iter().for_each(|warning| self.warn(warning));
     }
 
+    /// Whether the user knows already that the document at `document` names `file`, or works where that lies.
+    fn knows(&self, _document: &Path, _file: &Path) -> bool {
+        false
+    }
+
     /// Does a `part` of the work that may take long and is called `label`.
     fn watch<T>(&self, _label: &str, part: impl FnOnce(&Task) -> T) -> T {
         part(self.task())
@@ -29,12 +35,18 @@ pub trait Watcher {
 pub struct Aside<'a> {
     task: &'a Task,
     warnings: RefCell<Vec<Warning>>,
+    known: Vec<PathBuf>,
 }
 
 impl<'a> Aside<'a> {
     /// Work that reports to `task`.
     pub fn new(task: &'a Task) -> Self {
-        Self { task, warnings: RefCell::default() }
+        Self { task, warnings: RefCell::default(), known: Vec::new() }
+    }
+
+    /// The same for a user who has used the files `known`.
+    pub fn knowing(self, known: Vec<PathBuf>) -> Self {
+        Self { known, ..self }
     }
 
     /// The collected warnings.
@@ -50,5 +62,9 @@ impl Watcher for Aside<'_> {
 
     fn warn(&self, warning: Warning) {
         self.warnings.borrow_mut().push(warning);
+    }
+
+    fn knows(&self, document: &Path, file: &Path) -> bool {
+        [document, file].into_iter().any(|path| self.known.iter().any(|known| known == path))
     }
 }

@@ -1,4 +1,4 @@
-//! Machines that lack a graphics driver, a desktop, a display or MPI.
+//! Machines that lack a graphics driver, a desktop, a display, MPI or memory.
 
 use std::process::Command;
 
@@ -120,6 +120,34 @@ fn without_ffmpeg_each_command_says_what_it_makes_without_it() {
         assert_eq!(message.contains("need none"), others.is_some(), "{message}");
         assert!(others.is_none_or(|others| message.contains(others)), "{message}");
     }
+}
+
+/// The shell's own limit is noticed before it ends the program.
+#[cfg(target_os = "linux")]
+#[test]
+fn harmonics_that_would_pass_the_limit_of_the_shell_are_refused() {
+    use std::fmt::Write;
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("sheet.obj");
+    // 160,000 vertices, which take 866 MB.
+    let side = 400;
+    let mut sheet = String::new();
+    for at in 0..side * side {
+        writeln!(sheet, "v {} {} 0", at % side, at / side).unwrap();
+    }
+    for at in (1..side * (side - 1)).filter(|at| at % side != 0) {
+        writeln!(sheet, "f {} {} {} {}", at, at + 1, at + side + 1, at + side).unwrap();
+    }
+    std::fs::write(&mesh, sheet).unwrap();
+    let output = Command::new("sh")
+        .args(["-c", "ulimit -v 614400; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_chladni"), "basis"])
+        .args([text(&mesh), "-k", "64", "--no-cache", "--threads", "1"])
+        .env("RAYON_NUM_THREADS", "1")
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("it takes at least about ") && said.contains("may be used"), "{said}");
 }
 
 /// `scripts/rust` takes the first Rust that is as new as Cargo.toml asks for: a distribution's, else rustup's own.

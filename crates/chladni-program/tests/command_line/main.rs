@@ -241,7 +241,10 @@ fn harmonics_that_do_not_fit_in_memory_are_kept_on_disk_and_written_in_parts() {
         assert!(read(&whole) == read(&parts), "{name}");
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left in the scratch folder");
-    assert_eq!(solve(&slash(&parts), &["--memory", "0.01"]).code(), 2);
+    let refused = solve(&slash(&parts), &["--memory", "0.01"]);
+    assert_eq!(refused.code(), 2);
+    let said = refused.stderr();
+    assert!(said.contains("it takes at least about ") && said.contains("10.0 MB may be used"), "{said}");
     assert_eq!(solve(&slash(&parts), &["--memory", "-1"]).code(), 2);
     let missing = folder.path().join("none");
     assert_eq!(solve(&slash(&parts), &["--memory", "0.1", "--scratch", text(&missing)]).code(), 2);

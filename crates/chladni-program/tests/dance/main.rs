@@ -5,6 +5,8 @@
 mod archive;
 mod behind;
 mod looks;
+#[cfg(unix)]
+mod odd_names;
 mod own_colors;
 mod shots;
 mod shows;

@@ -46,6 +46,11 @@ pub fn luminances(folder: &Path) -> Vec<f32> {
 
 /// Flashes in the worst second of the PNGs of a folder, 30 a second, where a quarter of an area counts.
 fn flashes_in(area: FlashArea, folder: &Path) -> usize {
+    counted(area, folder).most_per_second()
+}
+
+/// What is counted of the PNGs of a folder, 30 a second.
+fn counted(area: FlashArea, folder: &Path) -> FlashCount {
     let (mut count, mut histogram) = (FlashCount::of(area), Histogram::default());
     for (frame, picture) in frames(folder).iter().enumerate() {
         histogram.clear();
@@ -54,7 +59,7 @@ fn flashes_in(area: FlashArea, folder: &Path) -> usize {
         }
         count.note(frame as f64 / 30.0, &histogram, Veil::Clear);
     }
-    count.most_per_second()
+    count
 }
 
 /// A ball: it grows and shrinks as a whole, and is drawn quickly.
@@ -146,4 +151,62 @@ fn a_film_is_limited_throughout_where_its_show_is_at_any_time() {
     // Fields are judged only in a film that is limited.
     let asked = flashes("asked", false, None, &["--flash-fields"]);
     assert!(asked <= MAX_FLASHES, "{asked} flashes a second");
+}
+
+/// Films two seconds of a dark ball before a picture or a film; the folder of the frames.
+fn film_before(folder: &Path, behind: &Path, name: &str, more: &[&str]) -> std::path::PathBuf {
+    ball(&folder.join("ball.obj"));
+    let [mesh, out] = ["ball.obj", name].map(|name| folder.join(name));
+    let [mesh, behind, frames] = [&mesh, behind, &out].map(|path| path.to_str().unwrap());
+    let dance = ["dance", mesh, "sample:tune", "-k", "24", "--duration", "2", "--frames", frames];
+    let look = ["--size", "96x64", "--draw", "cpu", "--material", "dark", "--picture", behind];
+    assert_eq!(run(&[&dance[..], &look, more].concat()), 0);
+    out
+}
+
+#[test]
+fn red_that_keeps_its_luminance_never_flashes_more_than_three_times_a_second() {
+    if !chladni_view::ffmpeg_is_there() {
+        return println!("skipped: no ffmpeg");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let [raw, film] = ["red.rgb", "red.mkv"].map(|name| folder.path().join(name));
+    // Both have a relative luminance of 0.07, five times a second.
+    let color = |frame: usize| if (frame / 3).is_multiple_of(2) { [156u8, 0, 0] } else { [0, 0, 255] };
+    std::fs::write(&raw, (0..75).flat_map(|frame| color(frame).repeat(48 * 32)).collect::<Vec<u8>>())
+        .unwrap();
+    let made = std::process::Command::new("ffmpeg")
+        .args(["-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "48x32", "-r", "30", "-i"])
+        .arg(&raw)
+        .args(["-c:v", "png"])
+        .arg(&film)
+        .status();
+    assert!(made.unwrap().success());
+    let [free, limited] = [("free", &["--allow-flashes"][..]), ("limited", &[][..])]
+        .map(|(name, more)| film_before(folder.path(), &film, name, more));
+    let bright = luminances(&free);
+    let range = [f32::min, f32::max].map(|pick| bright.iter().copied().reduce(pick).unwrap());
+    assert!(range[1] - range[0] < 0.05, "not only red changes: {range:?}");
+    let [free, limited] = [free, limited].map(|frames| flashes_in(FlashArea::Screen, &frames));
+    assert!(free > MAX_FLASHES, "red does not strobe: {free}");
+    assert!(limited <= MAX_FLASHES, "{limited} flashes a second, {free} without the limit");
+}
+
+#[test]
+fn bars_behind_a_dance_are_darkened_within_half_a_second() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bars = chladni_view::Picture::filled(192, 128, [0, 0, 0, 255]);
+    for (i, pixel) in bars.rgba.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+        if i % 8 < 4 {
+            *pixel = [250, 240, 230, 255];
+        }
+    }
+    let path = folder.path().join("bars.png");
+    std::fs::write(&path, bars.to_png().unwrap()).unwrap();
+    let [free, limited] = [("free", &["--allow-flashes"][..]), ("limited", &[][..])].map(|(name, more)| {
+        let count = counted(FlashArea::Screen, &film_before(folder.path(), &path, name, more));
+        (count.longest_stripes_secs(), count.most_per_second())
+    });
+    assert!(free.0 > 1.5, "no bars are seen: {free:?}");
+    assert!(limited.0 < 0.5 && limited.1 <= MAX_FLASHES, "{limited:?}");
 }

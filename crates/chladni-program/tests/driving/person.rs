@@ -59,6 +59,7 @@ impl Desk {
             chooser: Box::new(self.answers.clone()),
             files: files.iter().map(|name| self.path(name)).collect(),
             patience: Duration::MAX,
+            now: driving::no_time,
             ..Opening::default()
         }
     }

@@ -10,6 +10,7 @@
 mod archive;
 mod commands;
 mod summary;
+mod threads;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

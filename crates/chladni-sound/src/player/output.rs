@@ -185,6 +185,17 @@ impl Output {
     }
 }
 
+#[cfg(test)]
+impl Output {
+    /// An output that passes for a device, what it is handed out, and the end of a ring that is abandoned once it is closed.
+    pub fn by_hand(rate_hz: u32, clock: &Arc<Clock>) -> (Self, HandOut, Producer<Frame>) {
+        let (producer, consumer) = ring(rate_hz);
+        let mut output = Self { device: Some("test".into()), ..Self::silence_at(rate_hz) };
+        let open = std::mem::replace(&mut output.producer, producer);
+        (output, HandOut::new(consumer, Arc::clone(clock), rate_hz, 2), open)
+    }
+}
+
 fn ring(rate_hz: u32) -> (Producer<Frame>, Consumer<Frame>) {
     RingBuffer::new((f64::from(rate_hz) * RING_SECS) as usize)
 }
@@ -283,8 +294,11 @@ mod tests {
         assert_eq!(clock.underruns(), 1, "a stumble counts once");
         let later = now + Duration::from_millis(1600);
         assert_eq!(output.trouble(&clock, later).as_deref(), Some("test has stopped"));
-        heed(ErrorKind::DeviceNotAvailable, &clock);
-        assert_eq!(output.trouble(&clock, now).as_deref(), Some("test is gone"));
+        // So is one whose stream ends because its rate has changed: it is opened anew, at that rate.
+        for error in [ErrorKind::DeviceNotAvailable, ErrorKind::StreamInvalidated] {
+            heed(error, &clock);
+            assert_eq!(output.trouble(&clock, now).as_deref(), Some("test is gone"), "{error:?}");
+        }
     }
 
     #[test]

@@ -30,6 +30,11 @@ fn write_tone(folder: &Path, name: &str, rate_hz: u32, secs: f64) -> PathBuf {
     path
 }
 
+/// A song that does not end while a test is held up.
+fn write_endless(folder: &Path) -> PathBuf {
+    write_tone(folder, "endless.wav", 8000, HANGS.as_secs_f64())
+}
+
 fn wait(what: &str, mut done: impl FnMut() -> bool) {
     let end = Instant::now() + HANGS;
     while !done() {
@@ -98,21 +103,19 @@ fn longest_wait<T>(work: impl FnOnce() -> T) -> (Duration, T) {
 }
 
 /// Playback through a device follows the wall clock: attempts count during which the machine kept nobody waiting, and one
-/// of four must succeed.
+/// of four must succeed. Where twelve attempts have no such four, the test is skipped.
 #[allow(clippy::print_stdout, reason = "a skipped test must say so")]
 fn undisturbed(mut measure: impl FnMut() -> Result<(), String>) {
     let mut reports = Vec::new();
-    for _ in 0..4 {
+    for _ in 0..12 {
         let (waited, measured) = longest_wait(&mut measure);
         let Err(report) = measured else { return };
         if waited < Duration::from_millis(10) {
             reports.push(report);
         }
+        assert!(reports.len() < 4, "never right: {reports:#?}");
     }
-    if reports.len() < 4 {
-        return println!("skipped: the machine is busy");
-    }
-    panic!("never right: {reports:#?}");
+    println!("skipped: the machine is busy");
 }
 
 /// Pauses a player whose song is far from its end; the position, which stands still from now on.
@@ -125,9 +128,8 @@ fn paused_at(player: &Player) -> f64 {
 #[test]
 fn time_passes_in_silence_and_obeys() {
     let folder = tempfile::tempdir().unwrap();
-    let song = write_tone(folder.path(), "tone.wav", 44_100, 30.0);
     let player = silent();
-    player.play_list(vec![song]);
+    player.play_list(vec![write_endless(folder.path())]);
     wait("the first sample", || player.status().position_secs > 0.0);
     wait("half a second more", || player.status().position_secs > 0.5);
     assert_eq!(player.status().state, PlayerState::Playing);
@@ -146,14 +148,16 @@ fn time_passes_in_silence_and_obeys() {
     wait("the seek", || (player.status().position_secs - 20.0).abs() < 0.05);
     player.play();
     wait("going on", || player.status().position_secs > 20.1);
-    assert_eq!(player.status().duration_secs, Some(30.0));
+    assert_eq!(player.status().duration_secs, Some(HANGS.as_secs_f64()));
 }
 
 #[test]
 fn the_window_shows_the_samples_that_are_heard() {
     let folder = tempfile::tempdir().unwrap();
+    // Of whole swings, it goes on through its end.
     let song = write_tone(folder.path(), "tone.wav", 44_100, 10.0);
     let player = silent();
+    player.repeat(Repeat::Song);
     player.play_list(vec![song]);
     wait("half a second", || player.status().position_secs > 0.5);
     // Where the player was held up, what comes next is not decoded for a moment; after a pause it is.
@@ -343,9 +347,8 @@ fn a_pause_after_the_last_sample_was_decoded_goes_on_where_it_began() {
 #[test]
 fn a_paused_player_goes_to_other_songs_and_stays_paused_until_one_is_to_play() {
     let folder = tempfile::tempdir().unwrap();
-    let songs = ["a.wav", "b.wav", "c.wav"].map(|name| write_tone(folder.path(), name, 8000, 60.0));
     let player = silent();
-    player.play_list(songs.to_vec());
+    player.play_list(vec![write_endless(folder.path()); 3]);
     wait("the first song", || player.status().state == PlayerState::Playing);
     paused_at(&player);
     let begins = |song: usize| {
@@ -368,8 +371,9 @@ fn a_paused_player_goes_to_other_songs_and_stays_paused_until_one_is_to_play() {
 #[test]
 fn the_list_changes_around_the_song_that_plays() {
     let folder = tempfile::tempdir().unwrap();
-    let songs = [("a.wav", 20.0), ("b.wav", 20.0), ("c.wav", 19.0)];
-    let [a, b, c] = songs.map(|(name, secs)| write_tone(folder.path(), name, 44_100, secs));
+    let (a, b) = (write_tone(folder.path(), "a.wav", 44_100, 20.0), write_endless(folder.path()));
+    let c_secs = HANGS.as_secs_f64() - 1.0;
+    let c = write_tone(folder.path(), "c.wav", 8000, c_secs);
     let player = silent();
     player.play_list(vec![a.clone(), b.clone()]);
     player.select(1);
@@ -379,7 +383,7 @@ fn the_list_changes_around_the_song_that_plays() {
     assert!(player.status().position_secs > 0.3, "the song went on");
     let asked = Instant::now();
     player.set_songs(vec![c]);
-    wait("the song in its place", || player.status().duration_secs == Some(19.0));
+    wait("the song in its place", || player.status().duration_secs == Some(c_secs));
     let place = player.status().position_secs;
     assert!(place <= asked.elapsed().as_secs_f64() + 0.001, "it begins at its beginning: {place}");
     wait("that it plays", || player.status().state == PlayerState::Playing);

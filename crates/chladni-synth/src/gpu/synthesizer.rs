@@ -153,6 +153,14 @@ impl GpuSynthesizer {
         Ok(replaced)
     }
 
+    /// Uploads the items, and binds the buffers where one was replaced.
+    fn upload_and_bind(&mut self, items: &[Item]) -> Result<(), SynthError> {
+        if self.upload(items)? || self.groups.is_none() {
+            self.groups = Some(self.bind_frame()?);
+        }
+        Ok(())
+    }
+
     /// Lists items and terms in the layout of the shader, and uploads their signals. Returns whether a
     /// buffer was replaced.
     fn upload_terms(&mut self, items: &[Item]) -> Result<bool, SynthError> {
@@ -259,15 +267,13 @@ impl Synthesizer for GpuSynthesizer {
                 limit: u64::from(reach),
             });
         }
-        let uploaded = self.upload(items);
-        // After an error, too, some buffers may have been replaced.
-        if !matches!(uploaded, Ok(false)) {
+        let device = self.context.device.clone();
+        let bound = checked(&device, || self.upload_and_bind(items));
+        if !matches!(bound, Ok(Ok(()))) {
+            // They may be of buffers for which there was no memory.
             self.groups = None;
         }
-        uploaded?;
-        if self.groups.is_none() {
-            self.groups = Some(self.bind_frame()?);
-        }
+        bound??;
         let Some(groups) = &self.groups else { return Ok(()) };
         let pipelines = self.context.pipelines()?;
         let tile = TILES.iter().position(|tile| tile.columns == self.plan.width);

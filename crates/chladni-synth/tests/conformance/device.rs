@@ -32,16 +32,61 @@ pub fn open(restrict: impl FnOnce(&mut wgpu::Limits)) -> Option<(wgpu::Device, w
         // Miri cannot call drivers.
         return None;
     }
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
-    let Ok(adapter) = adapter else {
-        eprintln!("skipped: no graphics device here");
-        return None;
-    };
     let mut required_limits = wgpu::Limits::default();
     restrict(&mut required_limits);
-    let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
-    Some(pollster::block_on(adapter.request_device(&descriptor)).unwrap())
+    let wanted = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+    Some(pollster::block_on(adapter(Default::default())?.request_device(&wanted)).unwrap())
+}
+
+fn adapter(memory_budget_thresholds: wgpu::MemoryBudgetThresholds) -> Option<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        memory_budget_thresholds,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
+    if adapter.is_err() {
+        eprintln!("skipped: no graphics device here");
+    }
+    adapter.ok()
+}
+
+/// A separate device that has no memory any more from a fiftieth of its budget on.
+pub fn open_short_of_memory() -> Option<(wgpu::Device, wgpu::Queue)> {
+    if cfg!(miri) {
+        return None;
+    }
+    let short = wgpu::MemoryBudgetThresholds { for_resource_creation: Some(2), for_device_loss: None };
+    let memory_hints = wgpu::MemoryHints::MemoryUsage;
+    let wanted = wgpu::DeviceDescriptor { memory_hints, ..Default::default() };
+    Some(pollster::block_on(adapter(short)?.request_device(&wanted)).unwrap())
+}
+
+/// Takes what memory such a device has, but for what is less than 64 KiB; `None` where its driver does not say how much
+/// that is. None of it is written to.
+pub fn fill(device: &wgpu::Device) -> Option<Vec<wgpu::Buffer>> {
+    let (mut taken, mut size) = (Vec::new(), device.limits().max_buffer_size.min(1 << 28));
+    while taken.len() < 400 {
+        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage: wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        });
+        if pollster::block_on(scope.pop()).is_none() {
+            taken.push(buffer);
+            // A fiftieth of 100 GiB, if the driver counts at all.
+            if size == 1 << 28 && taken.len() == 8 {
+                break;
+            }
+        } else if size <= 1 << 16 {
+            return Some(taken);
+        } else {
+            size /= 2;
+        }
+    }
+    eprintln!("skipped: this driver does not say that its device has little memory");
+    None
 }
 
 /// Positions and normals of a frame on the shared device.

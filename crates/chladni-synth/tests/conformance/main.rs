@@ -121,6 +121,24 @@ fn two_to_many_harmonics() {
 }
 
 #[test]
+fn threads_change_no_bit() {
+    let shape = cases::shape(6, 40, 31, 64);
+    let items = cases::items(6, &shape, 9);
+    for path in CpuPath::available() {
+        let on = |threads: usize| -> Vec<u32> {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut backend = CpuSynthesizer::with_path(model(&shape), *path).unwrap();
+            let settings = FrameSettings { normal_blending: 0.3 };
+            pool.install(|| backend.synthesize(&items, &settings)).unwrap();
+            let (positions, normals) = backend.read();
+            positions.iter().chain(&normals).flatten().map(|x| x.to_bits()).collect()
+        };
+        let one = on(1);
+        assert!([2, 4].into_iter().all(|threads| on(threads) == one), "{path}");
+    }
+}
+
+#[test]
 fn more_vertices_than_a_task() {
     let shape = cases::shape(5, 120, 90, 20);
     for mut backend in backends(&model(&shape)) {
@@ -342,6 +360,24 @@ fn the_cpu_takes_over_when_the_device_is_lost() {
     assert!(fallback.to_string().contains("lost"), "{fallback}");
     check_positions("after the loss", &shape, &items, auto.cpu().unwrap().all_positions());
     assert!(GpuSynthesizer::new(&context, model(&shape)).is_err());
+}
+
+#[test]
+fn the_cpu_takes_over_when_the_memory_of_the_device_is_full() {
+    let Some((device, queue)) = device::open_short_of_memory() else { return };
+    let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device));
+    let shape = cases::shape(23, 40, 40, 30);
+    let items = cases::items(24, &shape, 9);
+    let mut auto = AutoSynthesizer::new(&context, model(&shape), Backend::Gpu);
+    auto.synthesize(&items[..1], &FrameSettings::default()).unwrap();
+    assert!(auto.cpu().is_none() && auto.take_fallback().is_none());
+    let Some(taken) = device::fill(&device) else { return };
+    // Nine times as much as before does not fit any more.
+    auto.synthesize(&items, &FrameSettings::default()).unwrap();
+    let fallback = auto.take_fallback().expect("it says so");
+    assert!(fallback.to_string().to_lowercase().contains("memory"), "{fallback}");
+    check_positions("beside full memory", &shape, &items, auto.cpu().unwrap().all_positions());
+    drop(taken);
 }
 
 #[test]

@@ -81,8 +81,26 @@ mod tests {
     use std::time::SystemTime;
 
     fn age(path: &Path) {
-        let before = SystemTime::now() - 2 * AT_WORK;
-        File::options().write(true).open(path).unwrap().set_modified(before).unwrap();
+        date(path, SystemTime::now() - 2 * AT_WORK);
+    }
+
+    fn date(path: &Path, written: SystemTime) {
+        File::options().write(true).open(path).unwrap().set_modified(written).unwrap();
+    }
+
+    #[test]
+    fn a_draft_of_the_future_stays_and_keeps_nobody_from_saving() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let (future, past) = (path(".chladni-draft-Ab12Xz34Cd56"), path(".chladni-draft-Ab12Xz34Cd57"));
+        let year = Duration::from_secs(365 * 86_400);
+        for (draft, written) in [(&future, SystemTime::now() + year), (&past, SystemTime::UNIX_EPOCH)] {
+            std::fs::write(draft, "half").unwrap();
+            date(draft, written);
+        }
+        write_atomic(&path("p.chladni"), b"new").unwrap();
+        assert_eq!(std::fs::read(path("p.chladni")).unwrap(), b"new");
+        assert!(future.exists() && !past.exists());
     }
 
     #[test]

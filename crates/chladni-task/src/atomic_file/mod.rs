@@ -1,18 +1,20 @@
 //! Files that are written whole or not at all.
 
+mod advice;
 #[cfg(test)]
 mod faults;
 mod leftovers;
 mod permissions;
 mod system;
 
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+pub use advice::{advice_in, advised};
 pub use permissions::private_folder;
 
-use permissions::Readers;
+use permissions::{PRIVATE, Readers};
 use system::{Disk, System};
 use tempfile::NamedTempFile;
 
@@ -35,15 +37,15 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// that the system gives new files. The folder of `path` must exist.
 ///
 /// # Errors
-/// An error of `write`, or of creating, writing or renaming the file. A full disk, a read-only one and
-/// missing permission come with advice. [`io::ErrorKind::InvalidInput`] if `path` exists but is not a
+/// An error of `write`, or of creating, writing or renaming the file. Those that a user can do something about come with
+/// [advice](advised). [`io::ErrorKind::InvalidInput`] if `path` exists but is not a
 /// regular file (a folder, a device, a pipe). If only flushing the folder fails, the new file is already in
 /// place.
 pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<Draft<'_>>) -> io::Result<()>,
 ) -> io::Result<()> {
-    replace(&Disk, path, Readers::Usual, write).map_err(advised)
+    replace(&Disk, path, Readers::Usual, write)
 }
 
 /// As [`write_atomic`], but a file that was not there before stays readable by its owner alone (on Unix).
@@ -51,7 +53,7 @@ pub fn write_atomic_with(
 /// # Errors
 /// As [`write_atomic_with`].
 pub fn write_atomic_private(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    replace(&Disk, path, Readers::Owner, |file| file.write_all(bytes)).map_err(advised)
+    replace(&Disk, path, Readers::Owner, |file| file.write_all(bytes))
 }
 
 /// As [`write_atomic`], but only where nothing is at `path`: of several programs that write there at once, one does.
@@ -59,7 +61,7 @@ pub fn write_atomic_private(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// As [`write_atomic_with`]; [`io::ErrorKind::AlreadyExists`] where something is there, a link included.
 pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    add(&Disk, path, bytes).map_err(advised)
+    add(&Disk, path, bytes)
 }
 
 /// Flushes a complete file from [`temporary_beside`] to the disk and renames it to `path`, as
@@ -68,7 +70,16 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// An error of flushing or renaming the file.
 pub fn persist(file: NamedTempFile, path: &Path) -> io::Result<()> {
-    finish(&Disk, file, &where_it_leads(path), Readers::Usual).map_err(advised)
+    finish(&Disk, file, &where_it_leads(path), Readers::Usual)
+}
+
+/// As [`persist`], but under the first of `names`, all in the file's folder, at which nothing is; returns that one. At each moment
+/// the whole file is there or nothing.
+///
+/// # Errors
+/// As [`persist`]; [`io::ErrorKind::AlreadyExists`] where something is at each of them, a link included.
+pub fn persist_new(file: NamedTempFile, names: impl Iterator<Item = PathBuf>) -> io::Result<PathBuf> {
+    finish_new(&Disk, file, names)
 }
 
 fn replace(
@@ -78,25 +89,40 @@ fn replace(
     write: impl FnOnce(&mut BufWriter<Draft<'_>>) -> io::Result<()>,
 ) -> io::Result<()> {
     let path = &where_it_leads(path);
-    let mut file = create(system, path, "")?;
-    {
-        let mut buffered = BufWriter::with_capacity(1 << 16, Draft { file: file.as_file_mut(), system });
-        write(&mut buffered)?;
-        buffered.flush()?;
-    }
+    let file = filled(system, path, write).map_err(advised)?;
     finish(system, file, path, readers)
 }
 
 fn add(system: &dyn System, path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let file = filled(system, path, |file| file.write_all(bytes)).map_err(advised)?;
+    finish_new(system, file, std::iter::once(path.to_owned())).map(drop)
+}
+
+/// A draft of `path` with all that `write` gives it.
+fn filled(
+    system: &dyn System,
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<Draft<'_>>) -> io::Result<()>,
+) -> io::Result<NamedTempFile> {
     let mut file = create(system, path, "")?;
-    Draft { file: file.as_file_mut(), system }.write_all(bytes)?;
-    permissions::give(file.as_file(), None, Readers::Usual, folder_of(path))?;
-    system.sync(file.as_file())?;
-    system.rename_new(file, path)?;
-    system.sync_folder(folder_of(path))
+    let mut buffered = BufWriter::with_capacity(1 << 16, Draft { file: file.as_file_mut(), system });
+    write(&mut buffered)?;
+    buffered.flush()?;
+    drop(buffered);
+    Ok(file)
 }
 
 fn finish(system: &dyn System, file: NamedTempFile, path: &Path, readers: Readers) -> io::Result<()> {
+    settle_and_rename(system, file, path, readers).map_err(advised)?;
+    flush_name(system, path)
+}
+
+fn settle_and_rename(
+    system: &dyn System,
+    file: NamedTempFile,
+    path: &Path,
+    readers: Readers,
+) -> io::Result<()> {
     // A link that is still here is not followed.
     let replaced = std::fs::symlink_metadata(path).ok().filter(|known| !known.is_symlink());
     // Without this check, the rename would replace a device by a regular file.
@@ -104,12 +130,57 @@ fn finish(system: &dyn System, file: NamedTempFile, path: &Path, readers: Reader
         let why = "it is a folder, a device or a pipe, which no file takes the place of";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     }
-    permissions::give(file.as_file(), replaced.as_ref(), readers, folder_of(path))?;
-    // The order matters: a name that is on the disk before the file's bytes would survive a power cut
-    // without them.
-    system.sync(file.as_file())?;
-    system.rename(file, path)?;
-    system.sync_folder(folder_of(path))
+    settle(system, &file, replaced.as_ref(), readers)?;
+    system.rename(file, path)
+}
+
+fn finish_new(
+    system: &dyn System,
+    file: NamedTempFile,
+    names: impl Iterator<Item = PathBuf>,
+) -> io::Result<PathBuf> {
+    let name = settle_and_name(system, file, names).map_err(advised)?;
+    flush_name(system, &name)?;
+    Ok(name)
+}
+
+fn settle_and_name(
+    system: &dyn System,
+    mut file: NamedTempFile,
+    names: impl Iterator<Item = PathBuf>,
+) -> io::Result<PathBuf> {
+    settle(system, &file, None, Readers::Usual)?;
+    for name in names {
+        match system.rename_new(file, &name) {
+            Ok(()) => return Ok(name),
+            Err(taken) if taken.error.kind() == io::ErrorKind::AlreadyExists => file = taken.file,
+            Err(failure) => return Err(failure.error),
+        }
+    }
+    Err(io::ErrorKind::AlreadyExists.into())
+}
+
+/// Gives a complete draft its permissions and flushes it. The order matters: a name that is on the disk before the file's
+/// bytes would survive a power cut without them.
+fn settle(
+    system: &dyn System,
+    file: &NamedTempFile,
+    replaced: Option<&Metadata>,
+    readers: Readers,
+) -> io::Result<()> {
+    permissions::give(system, file, replaced, readers)?;
+    system.sync(file.as_file())
+}
+
+/// Flushes the folder of a file that has just got its name `path`.
+fn flush_name(system: &dyn System, path: &Path) -> io::Result<()> {
+    system.sync_folder(folder_of(path)).map_err(|why| {
+        let said = format!(
+            "the new file is in place, but a power cut could lose it, since its folder cannot be flushed to the disk \
+             ({why}): save to another disk, too"
+        );
+        io::Error::new(why.kind(), said)
+    })
 }
 
 /// A file that is being written.
@@ -173,9 +244,18 @@ pub fn create_private_folder(path: &Path) -> io::Result<()> {
 fn make_folders(system: &dyn System, path: &Path) -> io::Result<()> {
     let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
     let missing: Vec<&Path> = path.ancestors().take_while(is_missing).collect();
-    std::fs::create_dir_all(path)?;
+    if missing.is_empty() && !path.as_os_str().is_empty() && !path.is_dir() {
+        return Err(io::ErrorKind::AlreadyExists.into());
+    }
     // The uppermost first, as the others would not be found without it.
-    missing.into_iter().rev().try_for_each(|made| system.sync_folder(folder_of(made)))
+    missing.into_iter().rev().try_for_each(|folder| {
+        match system.make_folder(folder) {
+            // Another program was quicker, or it is a name for one that was just made (`a/..`).
+            Err(_) if folder.is_dir() => {}
+            made => made?,
+        }
+        system.sync_folder(folder_of(folder))
+    })
 }
 
 /// The folder of `path`: its parent, or `.` for a bare name.
@@ -198,35 +278,21 @@ pub fn temporary_beside(path: &Path, ending: &str) -> io::Result<NamedTempFile> 
 }
 
 fn create(system: &dyn System, path: &Path, ending: &str) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(leftovers::PREFIX).rand_bytes(leftovers::RANDOM).suffix(ending);
-    // It is private (0600) until it is complete.
     leftovers::sweep_once(folder_of(path));
-    let file = system.create(&builder, folder_of(path)).map_err(without_path)?;
+    let file = draft_in(system, folder_of(path), ending, PRIVATE).map_err(|why| match why.kind() {
+        io::ErrorKind::NotFound => io::Error::new(why.kind(), "its folder does not exist"),
+        _ => why,
+    })?;
     leftovers::claim(file.as_file());
     Ok(file)
 }
 
-/// Removes the temporary file's name from the usual errors: the caller knows only `path`.
-fn without_path(error: io::Error) -> io::Error {
-    use io::ErrorKind::{NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem, StorageFull};
-    match error.kind() {
-        NotFound => io::Error::new(NotFound, "its folder does not exist"),
-        kind @ (NotADirectory | PermissionDenied | ReadOnlyFilesystem | StorageFull) => kind.into(),
-        _ => error,
-    }
-}
-
-/// Adds advice to the errors that a user can do something about.
-fn advised(error: io::Error) -> io::Error {
-    use io::ErrorKind::{PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
-    let advice = match error.kind() {
-        StorageFull | QuotaExceeded => "the disk is full: make room, or write to another one",
-        ReadOnlyFilesystem => "the disk is read-only: write to another one",
-        PermissionDenied => "permission denied: write to a folder of your own",
-        _ => return error,
-    };
-    io::Error::new(error.kind(), advice)
+/// A temporary file with a name of ours that ends in `ending`. Its mode on Unix is `mode`, less what the process's mask takes.
+fn draft_in(system: &dyn System, folder: &Path, ending: &str, mode: u32) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(leftovers::PREFIX).rand_bytes(leftovers::RANDOM).suffix(ending);
+    // The library's own way to open it would put the temporary file's name, which nobody knows, into errors.
+    builder.make_in(folder, |path| system.create(path, mode))
 }
 
 #[cfg(test)]

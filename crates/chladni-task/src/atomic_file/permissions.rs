@@ -1,12 +1,13 @@
 //! Permissions of written files: only the owner can read one while it is written; then the old file's permissions return.
 
-use std::fs::{File, Metadata};
+use std::fs::{Metadata, Permissions};
 use std::io;
 use std::path::Path;
 
-use tempfile::TempDir;
+use tempfile::{NamedTempFile, TempDir};
 
-use super::leftovers;
+use super::system::System;
+use super::{draft_in, folder_of};
 
 /// Who can read a file that was not there before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,12 +17,15 @@ pub(super) enum Readers {
     Owner,
 }
 
-/// Gives a complete temporary file the permissions of the file that it replaces, or those of a new one in `folder`.
+/// The mode of a file that only its owner can read.
+pub(super) const PRIVATE: u32 = 0o600;
+
+/// Gives a complete temporary file the permissions of the file that it replaces, or those of a new one in its folder.
 pub(super) fn give(
-    file: &File,
+    system: &dyn System,
+    draft: &NamedTempFile,
     replaced: Option<&Metadata>,
     readers: Readers,
-    folder: &Path,
 ) -> io::Result<()> {
     if !cfg!(unix) {
         return Ok(());
@@ -29,23 +33,17 @@ pub(super) fn give(
     let wanted = match (replaced, readers) {
         (Some(known), _) => known.permissions(),
         (None, Readers::Owner) => return Ok(()),
-        (None, Readers::Usual) => of_a_new_file(folder)?,
+        (None, Readers::Usual) => of_a_new_file(system, folder_of(draft.path()))?,
     };
+    let file = draft.as_file();
     // Some file systems have a single set of permissions and refuse to hear of others.
-    if file.metadata()?.permissions() == wanted { Ok(()) } else { file.set_permissions(wanted) }
+    if file.metadata()?.permissions() == wanted { Ok(()) } else { system.set_permissions(file, wanted) }
 }
 
 /// The permissions that the system gives new files in a folder, as those of an empty one that is removed at once: a process can
 /// read its mask only by changing it, and the folder may have rules of its own.
-fn of_a_new_file(folder: &Path) -> io::Result<std::fs::Permissions> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(leftovers::PREFIX).rand_bytes(leftovers::RANDOM);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    Ok(builder.tempfile_in(folder)?.as_file().metadata()?.permissions())
+fn of_a_new_file(system: &dyn System, folder: &Path) -> io::Result<Permissions> {
+    Ok(draft_in(system, folder, "", 0o666)?.as_file().metadata()?.permissions())
 }
 
 /// A new folder in `parent`, with a name that begins with `prefix`. On Unix, only its owner can enter it. It is removed when it is
@@ -59,7 +57,7 @@ pub fn private_folder(prefix: &str, parent: &Path) -> io::Result<TempDir> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o700));
+        builder.permissions(Permissions::from_mode(0o700));
     }
     builder.tempdir_in(parent)
 }
@@ -69,7 +67,7 @@ pub fn private_folder(prefix: &str, parent: &Path) -> io::Result<TempDir> {
 pub(super) fn shut_others_out(folder: &Path) {
     use std::os::unix::fs::PermissionsExt;
     if std::fs::metadata(folder).is_ok_and(|known| known.permissions().mode() & 0o077 != 0) {
-        let _ = std::fs::set_permissions(folder, std::fs::Permissions::from_mode(0o700));
+        let _ = std::fs::set_permissions(folder, Permissions::from_mode(0o700));
     }
 }
 
@@ -103,7 +101,6 @@ fn is_trusted(owner: u32, (around, mode): (u32, u32), own: impl FnOnce() -> Opti
 #[cfg(all(test, unix))]
 #[allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 mod tests {
-    use std::fs::Permissions;
     use std::io::Write;
     use std::os::unix::fs::PermissionsExt;
     use std::path::PathBuf;

@@ -1,14 +1,25 @@
 //! The system calls that writing a file needs, as a trait, which lets a test make any of them fail.
 
-use std::fs::File;
+use std::fs::{File, Permissions};
 use std::io::{self, Write};
 use std::path::Path;
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, PersistError};
 
 pub(super) trait System: std::fmt::Debug {
-    fn create(&self, builder: &tempfile::Builder<'_, '_>, folder: &Path) -> io::Result<NamedTempFile> {
-        builder.tempfile_in(folder)
+    /// Creates a file where nothing is.
+    fn create(&self, path: &Path, mode: u32) -> io::Result<File> {
+        let mut options = File::options();
+        options.read(true).write(true).create_new(true);
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
+        #[cfg(not(unix))]
+        let _ = mode;
+        options.open(path)
+    }
+
+    fn set_permissions(&self, file: &File, wanted: Permissions) -> io::Result<()> {
+        file.set_permissions(wanted)
     }
 
     fn write(&self, file: &mut File, bytes: &[u8]) -> io::Result<usize> {
@@ -29,14 +40,20 @@ pub(super) trait System: std::fmt::Debug {
     }
 
     /// As [`rename`](Self::rename), but only where nothing is at `path`.
-    fn rename_new(&self, file: NamedTempFile, path: &Path) -> io::Result<()> {
+    fn rename_new(&self, file: NamedTempFile, path: &Path) -> Result<(), PersistError> {
         match file.persist_noclobber(path) {
             Ok(_) => Ok(()),
-            Err(failure) if failure.error.kind() == io::ErrorKind::AlreadyExists => Err(failure.error),
+            Err(failure) if failure.error.kind() == io::ErrorKind::AlreadyExists => Err(failure),
             // A file system that knows no way to do both at once.
-            Err(_) if path.symlink_metadata().is_ok() => Err(io::ErrorKind::AlreadyExists.into()),
-            Err(failure) => self.rename(failure.file, path),
+            Err(PersistError { file, .. }) if path.symlink_metadata().is_ok() => {
+                Err(PersistError { error: io::ErrorKind::AlreadyExists.into(), file })
+            }
+            Err(failure) => failure.file.persist(path).map(drop),
         }
+    }
+
+    fn make_folder(&self, path: &Path) -> io::Result<()> {
+        std::fs::create_dir(path)
     }
 
     /// Flushes a folder, which makes a new name in it permanent.

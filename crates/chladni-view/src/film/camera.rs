@@ -33,7 +33,8 @@ const INSTALL: &str = "install gstreamer1.0-tools, gstreamer1.0-plugins-base, gs
 pub enum CameraTarget {
     /// A node of PipeWire, named Chladni. Needs `gst-launch-1.0` with PipeWire's plugin.
     PipeWire,
-    /// A video device of v4l2loopback, such as `/dev/video2`. Needs ffmpeg.
+    /// A video device of v4l2loopback, such as `/dev/video2`: its path begins at the root, so that it is no option of
+    /// ffmpeg, which it needs.
     Device(PathBuf),
     /// A server of Syphon, named Chladni. Only where [`HAS_SYPHON`]; needs Syphon.framework.
     Syphon,
@@ -99,6 +100,12 @@ impl LiveCamera {
         settings.check()?;
         if width % 2 == 1 || height % 2 == 1 {
             return Err(ViewError::Camera(format!("its sides are even, unlike {width}×{height}")));
+        }
+        if let CameraTarget::Device(path) = target
+            && !path.has_root()
+        {
+            let why = format!("{} is no device: give its whole path, such as /dev/video2", path.display());
+            return Err(ViewError::Camera(why));
         }
         let (feed, way) = match (target, target.command(width, height, rate)) {
             (CameraTarget::StandardOutput(format), _) => {

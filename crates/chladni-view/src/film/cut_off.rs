@@ -5,10 +5,11 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
-use chladni_task::{folder_of, private_folder};
+use chladni_task::{folder_of, persist_new, private_folder};
 use tempfile::{NamedTempFile, TempDir};
 
-use super::ffmpeg::{add_input, ffmpeg, ffmpeg_is_there, file_argument};
+use super::ffmpeg::{add_input, ffmpeg, ffmpeg_is_there, file_argument, unwritten_by_ffmpeg};
+use super::whole::{UNFINISHED, is_whole};
 use super::{beside, persist};
 use crate::ViewError;
 
@@ -85,12 +86,7 @@ impl RecordingFolder {
             persist(file, &self.film)?;
             return Ok(self.film.clone());
         }
-        let film = claimed(&self.film).map_err(ViewError::at(&self.film))?;
-        let named = persist(file, &film);
-        if named.is_err() && !has_bytes(&film) {
-            let _ = std::fs::remove_file(&film);
-        }
-        named.map(|()| film)
+        persist_new(file, free_names(&self.film, None)).map_err(ViewError::at(&self.film))
     }
 
     /// It stays, for [`CutOff`].
@@ -157,41 +153,25 @@ impl CutOff {
         if !ffmpeg_is_there() {
             return Err(ViewError::NoFfmpeg);
         }
-        let film = self.free_name();
-        let file = join((&self.folder.join(PICTURE), &self.folder.join(SOUND), self.sound_hz), None, &film)?;
-        persist(file, &film)?;
+        let (picture, sound) = (self.folder.join(PICTURE), self.folder.join(SOUND));
+        let file = join((&picture, &sound, self.sound_hz), None, &self.film)?;
+        let film = persist_new(file, free_names(&self.film, Some("cut off")));
+        let film = film.map_err(ViewError::at(&self.film))?;
         std::fs::remove_dir_all(&self.folder).map_err(ViewError::at(&self.folder))?;
         Ok(film)
     }
-
-    /// `set.mp4` becomes `set (cut off).mp4`, or one with a number where there is such a film.
-    fn free_name(&self) -> PathBuf {
-        let stem = self.film.file_stem().unwrap_or_default().to_string_lossy();
-        let named = |number: u32| match number {
-            1 => self.film.with_file_name(format!("{stem} (cut off).mp4")),
-            _ => self.film.with_file_name(format!("{stem} (cut off {number}).mp4")),
-        };
-        let mut number = 1;
-        while named(number).symlink_metadata().is_ok() {
-            number += 1;
-        }
-        named(number)
-    }
 }
 
-/// Takes the name `film`, or the first one with a number that is free, by an empty file.
-fn claimed(film: &Path) -> std::io::Result<PathBuf> {
+/// `set.mp4` or, with a note, `set (note).mp4`; then those with a number, as `set (2).mp4` or `set (note 2).mp4`.
+fn free_names(film: &Path, note: Option<&str>) -> impl Iterator<Item = PathBuf> {
     let stem = film.file_stem().unwrap_or_default().to_string_lossy();
-    let (mut name, mut number) = (film.to_owned(), 1);
-    loop {
-        match File::create_new(&name) {
-            Err(why) if why.kind() == std::io::ErrorKind::AlreadyExists => {
-                number += 1;
-                name = film.with_file_name(format!("{stem} ({number}).mp4"));
-            }
-            made => return made.map(|_| name),
-        }
-    }
+    let with = move |words: &str| film.with_file_name(format!("{stem} ({words}).mp4"));
+    let first = note.map_or_else(|| film.to_owned(), &with);
+    let rest = (2_u32..).map(move |number| match note {
+        Some(note) => with(&format!("{note} {number}")),
+        None => with(&number.to_string()),
+    });
+    std::iter::once(first).chain(rest)
 }
 
 fn has_bytes(path: &Path) -> bool {
@@ -219,8 +199,12 @@ fn join(
     }
     command.args(["-c:v", "copy", "-movflags", "+faststart", "-f", "mp4"]).arg(file_argument(file.path()));
     let said = command.stdin(Stdio::null()).output().map_err(|why| ViewError::Ffmpeg(why.to_string()))?;
-    if !said.status.success() {
-        return Err(ViewError::Ffmpeg(String::from_utf8_lossy(&said.stderr).trim().to_owned()));
+    let is_whole = said.status.success()
+        && is_whole(&mut file.reopen().map_err(ViewError::at(film))?).map_err(ViewError::at(film))?;
+    if !is_whole {
+        let words = String::from_utf8_lossy(&said.stderr);
+        let words = if words.trim().is_empty() { UNFINISHED } else { words.trim() };
+        return Err(unwritten_by_ffmpeg(words.to_owned(), film));
     }
     Ok(file)
 }

@@ -5,7 +5,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use chladni_task::{Needs, other_program};
+use chladni_task::{Needs, advice_in, other_program};
+
+use crate::ViewError;
 
 /// A command for ffmpeg.
 pub fn ffmpeg() -> Command {
@@ -39,6 +41,14 @@ pub(super) fn file_argument(path: &Path) -> OsString {
     let mut argument = OsString::from("file:");
     argument.push(path);
     argument
+}
+
+/// That ffmpeg did not write the film at `path`, in its words, or with advice where the disk is the reason.
+pub(super) fn unwritten_by_ffmpeg(said: String, path: &Path) -> ViewError {
+    match advice_in(&said) {
+        Some(why) => ViewError::at(path)(why),
+        None => ViewError::Ffmpeg(said),
+    }
 }
 
 #[cfg(all(test, unix))]

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use super::{Encode, FilmSettings, FrameRate, beside, persist};
+use super::{Encode, FilmSettings, FrameRate, beside, persist, unwritten};
 use crate::{Picture, ViewError};
 
 /// One PNG with all frames.
@@ -27,7 +27,7 @@ impl Apng {
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         encoder.set_animated(frames, 0).map_err(ViewError::image)?;
         encoder.set_frame_delay(numerator, denominator).map_err(ViewError::image)?;
-        let writer = encoder.write_header().map_err(ViewError::image)?;
+        let writer = encoder.write_header().map_err(failure(path))?;
         Ok(Self { path: path.to_owned(), file, writer })
     }
 }
@@ -45,14 +45,22 @@ pub(super) fn delay(rate: FrameRate) -> Result<(u16, u16), ViewError> {
     })
 }
 
+/// That the animated PNG at `path` could not be encoded or written.
+fn failure(path: &Path) -> impl Fn(png::EncodingError) -> ViewError {
+    move |why| match why {
+        png::EncodingError::IoError(why) => unwritten(path)(why),
+        why => ViewError::image(why),
+    }
+}
+
 impl Encode for Apng {
     fn frame(&mut self, picture: &Picture) -> Result<(), ViewError> {
-        self.writer.write_image_data(&picture.rgba).map_err(ViewError::image)
+        self.writer.write_image_data(&picture.rgba).map_err(failure(&self.path))
     }
 
     fn finish(self: Box<Self>) -> Result<(), ViewError> {
         let Self { path, file, writer } = *self;
-        writer.finish().map_err(ViewError::image)?;
+        writer.finish().map_err(failure(&path))?;
         persist(file, &path)
     }
 }

@@ -4,10 +4,10 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use gif::{DisposalMethod, Encoder, Frame, Repeat};
+use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 
 use super::palette::Palette;
-use super::{Encode, FilmSettings, FrameRate, beside, persist};
+use super::{Encode, FilmSettings, FrameRate, beside, persist, unwritten};
 use crate::{Picture, ViewError};
 
 /// Bytes of frames that are kept back to choose the palette from; a longer clip takes the
@@ -69,7 +69,7 @@ impl Gif {
             // Where the clip has holes, each frame stands alone.
             frame.dispose = DisposalMethod::Background;
             frame.buffer = indices.into();
-            return writer.encoder.write_frame(&frame).map_err(ViewError::image);
+            return writer.encoder.write_frame(&frame).map_err(failure(&self.path));
         }
         frame.dispose = DisposalMethod::Keep;
         let changed = changed_box(&indices, &writer.shown, usize::from(width));
@@ -87,7 +87,7 @@ impl Gif {
         }
         frame.buffer = buffer.into();
         writer.shown = indices;
-        writer.encoder.write_frame(&frame).map_err(ViewError::image)
+        writer.encoder.write_frame(&frame).map_err(failure(&self.path))
     }
 
     /// Chooses the palette from the frames that wait, and writes them.
@@ -95,13 +95,21 @@ impl Gif {
         let palette = Palette::of(&self.waiting);
         let handle = self.file.reopen().map_err(ViewError::at(&self.path))?;
         let mut encoder = Encoder::new(BufWriter::new(handle), self.width, self.height, &palette.bytes())
-            .map_err(ViewError::image)?;
-        encoder.set_repeat(Repeat::Infinite).map_err(ViewError::image)?;
+            .map_err(failure(&self.path))?;
+        encoder.set_repeat(Repeat::Infinite).map_err(failure(&self.path))?;
         self.writer = Some(Writer { encoder, palette, shown: Vec::new(), written: 0 });
         for picture in std::mem::take(&mut self.waiting) {
             self.write(&picture)?;
         }
         Ok(())
+    }
+}
+
+/// That the GIF at `path` could not be encoded or written.
+fn failure(path: &Path) -> impl Fn(EncodingError) -> ViewError {
+    move |why| match why {
+        EncodingError::Io(why) => unwritten(path)(why),
+        why => ViewError::image(why),
     }
 }
 
@@ -122,8 +130,8 @@ impl Encode for Gif {
         }
         let Self { path, file, writer, .. } = *self;
         if let Some(writer) = writer {
-            let buffered = writer.encoder.into_inner().map_err(ViewError::image)?;
-            buffered.into_inner().map_err(|e| ViewError::image(e.error()))?;
+            let buffered = writer.encoder.into_inner().map_err(failure(&path))?;
+            buffered.into_inner().map_err(|why| unwritten(&path)(why.into_error()))?;
         }
         persist(file, &path)
     }

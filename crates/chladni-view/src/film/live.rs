@@ -14,7 +14,7 @@ use image::RgbaImage;
 
 use super::cut_off::RecordingFolder;
 use super::mp4::{Layout, Mp4};
-use super::{Encode, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there};
+use super::{Encode, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there, unwritten};
 use crate::{Picture, ViewError};
 
 /// Pictures that may wait for the encoder.
@@ -70,8 +70,8 @@ impl LiveFilm {
         if !ffmpeg_is_there() {
             return Err(ViewError::NoFfmpeg);
         }
-        let folder = RecordingFolder::create(path, sound_hz).map_err(ViewError::at(path))?;
-        let sound = std::fs::File::create(folder.sound()).map_err(ViewError::at(path))?;
+        let folder = RecordingFolder::create(path, sound_hz).map_err(unwritten(path))?;
+        let sound = std::fs::File::create(folder.sound()).map_err(unwritten(path))?;
         let encoder = Mp4::create(&folder.picture(), &settings, Layout::Pieces)?;
         let place = folder.path().to_owned();
         let slots = Arc::default();
@@ -287,7 +287,7 @@ impl Writer {
     fn write_sound(&mut self, samples: &[f32]) -> Result<(), ViewError> {
         for sample in samples {
             let written = self.sound.write_all(&sample.to_le_bytes());
-            written.map_err(ViewError::at(self.folder.film()))?;
+            written.map_err(unwritten(self.folder.film()))?;
         }
         Ok(())
     }
@@ -295,20 +295,29 @@ impl Writer {
     /// Shows the last picture until `slot`.
     fn hold(&mut self, slot: u64) -> Result<(), ViewError> {
         while self.written < slot {
-            self.encoder.frame(&self.shown)?;
+            self.encoder.frame(&self.shown).map_err(of_film(self.folder.film()))?;
             self.written += 1;
         }
         Ok(())
     }
 
     fn finish(mut self) -> Result<(u64, PathBuf), ViewError> {
-        let flushed = self.sound.flush().map_err(ViewError::at(self.folder.film()));
+        let flushed = self.sound.flush().map_err(unwritten(self.folder.film()));
         let Self { folder, encoder, rate, written, .. } = self;
-        if let Err(why) = flushed.and_then(|()| Box::new(encoder).finish()) {
+        let encoded = flushed.and_then(|()| Box::new(encoder).finish().map_err(of_film(folder.film())));
+        if let Err(why) = encoded {
             folder.keep();
             return Err(why);
         }
         Ok((written, folder.join(rate.start_secs(written))?))
+    }
+}
+
+/// A fault of the encoder's file, which nobody chose, as one of the film that it is for.
+fn of_film(film: &Path) -> impl Fn(ViewError) -> ViewError {
+    move |why| match why {
+        ViewError::File { source, .. } => ViewError::at(film)(source),
+        why => why,
     }
 }
 
@@ -449,8 +458,29 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 
+    /// Only Unix removes a file that is being written.
+    #[cfg(unix)]
+    #[test]
+    fn a_fault_of_the_hidden_picture_names_the_film() {
+        if !ffmpeg_is_there() {
+            return println!("skipped: no ffmpeg");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("set.mp4");
+        let mut film = LiveFilm::begin(&path, (64, 48), FrameRate::per_second(30), 8000).unwrap();
+        film.picture(0.0, flat(64, 48, 200));
+        let (picture, start) = (film.folder().join("picture.mp4"), Instant::now());
+        while std::fs::remove_file(&picture).is_err() {
+            assert!(start.elapsed() < chladni_testdata::HANGS);
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        film.finish(0.1);
+        let why = film.wait().unwrap().unwrap_err();
+        assert!(matches!(&why, ViewError::File { path: named, .. } if *named == path), "{why}");
+    }
+
     /// A film without an encoder, and what would be written of it.
-    fn unwritten() -> (LiveFilm, Receiver<Message>) {
+    fn not_written() -> (LiveFilm, Receiver<Message>) {
         let (sender, receiver) = sync_channel(MOST_MESSAGES);
         let film = LiveFilm {
             folder: PathBuf::new(),
@@ -479,7 +509,7 @@ mod tests {
     #[test]
     fn sound_of_a_device_that_runs_fast_or_slow_stays_beside_the_picture() {
         for each in [397, 400, 403] {
-            let (mut film, receiver) = unwritten();
+            let (mut film, receiver) = not_written();
             let tone = vec![0.5; each];
             let mut written = 0;
             for i in 1..=2000 {
@@ -493,7 +523,7 @@ mod tests {
     #[test]
     fn every_frame_has_a_picture_whatever_the_rate_of_the_screen() {
         for rate_hz in [30, 50, 60, 75, 120, 144] {
-            let (mut film, receiver) = unwritten();
+            let (mut film, receiver) = not_written();
             let (mut last, mut slots) = (None, Vec::new());
             for i in 0..10 * rate_hz {
                 // No clock is even.
@@ -517,7 +547,7 @@ mod tests {
 
     #[test]
     fn nobody_waits_for_a_full_queue_in_the_end() {
-        let (mut film, receiver) = unwritten();
+        let (mut film, receiver) = not_written();
         while film.sender.as_ref().is_some_and(|sender| sender.try_send(Message::Silence(1)).is_ok()) {}
         film.finish(2.0);
         assert!(film.sender.is_none());
@@ -527,7 +557,7 @@ mod tests {
 
     #[test]
     fn a_long_gap_needs_no_memory() {
-        let (mut film, receiver) = unwritten();
+        let (mut film, receiver) = not_written();
         film.sound(10.0 * 3600.0, &[0.5], &[0.5]);
         let messages: Vec<Message> = receiver.try_iter().collect();
         let held = |message: &Message| if let Message::Sound(samples) = message { samples.len() } else { 0 };
@@ -552,7 +582,7 @@ mod tests {
         // Its thread ends by itself, and leaves nothing behind.
         let start = Instant::now();
         while std::fs::read_dir(folder.path()).unwrap().count() > 0 {
-            assert!(start.elapsed() < Duration::from_secs(1200));
+            assert!(start.elapsed() < chladni_testdata::HANGS);
             std::thread::sleep(Duration::from_millis(20));
         }
     }

@@ -11,6 +11,7 @@ mod mp4;
 mod palette;
 mod raw;
 mod shoot;
+mod whole;
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -282,4 +283,9 @@ fn beside(path: &Path) -> Result<tempfile::NamedTempFile, ViewError> {
 /// Flushes a complete temporary file and gives it its name.
 fn persist(file: tempfile::NamedTempFile, path: &Path) -> Result<(), ViewError> {
     chladni_task::persist(file, path).map_err(ViewError::at(path))
+}
+
+/// That bytes of the film at `path` could not be written, with advice.
+fn unwritten(path: &Path) -> impl Fn(std::io::Error) -> ViewError {
+    move |why| ViewError::at(path)(chladni_task::advised(why))
 }

@@ -1,9 +1,11 @@
 //! MP4 through an ffmpeg child process.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use super::feed::Feed;
-use super::ffmpeg::{add_input, ffmpeg, file_argument};
+use super::ffmpeg::{add_input, ffmpeg, file_argument, unwritten_by_ffmpeg};
+use super::whole::{UNFINISHED, is_whole};
 use super::{Encode, FilmSettings, beside, on_black, persist};
 use crate::cpu::halved_chroma;
 use crate::{Picture, ViewError};
@@ -90,11 +92,16 @@ impl Encode for Mp4 {
     fn frame(&mut self, picture: &Picture) -> Result<(), ViewError> {
         let rgba = on_black(&picture.rgba, &mut self.opaque);
         halved_chroma(rgba, [picture.width as usize, picture.height as usize], &mut self.planes);
-        self.feed.write(&self.planes).map_err(ViewError::Ffmpeg)
+        self.feed.write(&self.planes).map_err(|said| unwritten_by_ffmpeg(said, &self.path))
     }
 
     fn finish(mut self: Box<Self>) -> Result<(), ViewError> {
-        self.feed.finish().map_err(ViewError::Ffmpeg)?;
+        self.feed.finish().map_err(|said| unwritten_by_ffmpeg(said, &self.path))?;
+        let written = self.file.as_ref().map_or(self.path.as_path(), |file| file.path());
+        let is_whole = File::open(written).and_then(|mut film| is_whole(&mut film));
+        if !is_whole.map_err(ViewError::at(&self.path))? {
+            return Err(unwritten_by_ffmpeg(self.feed.complaint(UNFINISHED), &self.path));
+        }
         self.file.map_or(Ok(()), |file| persist(file, &self.path))
     }
 }

@@ -1,10 +1,9 @@
 //! Depth of field on a graphics device: its passes, and the depths that they read.
 
-use wgpu::util::DeviceExt;
-
 use super::bindings::{IMAGE, SAMPLER, group, layout, uniform};
 use super::canvas::Canvas;
 use super::lookup::Lookup;
+use super::memory::initialized;
 use super::screen::{self, DEPTH, Pipes, smooth_sampler, texture, view};
 use super::uniforms::Uniforms;
 use crate::focus::{Circle, Spread, step};
@@ -110,11 +109,9 @@ impl Focusing {
         let spread = [("far", LIGHT), ("near", LIGHT), ("cover", NUMBER)];
         let spread = spread.map(|(label, format)| image(label, few, format));
         let even = [small[0].clone(), image("even near", few, LIGHT), image("even cover", few, NUMBER)];
-        let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("spread"),
-            contents: bytemuck::bytes_of(&Spread::new(size)),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
+        let spread_of_size = Spread::new(size);
+        let contents = bytemuck::bytes_of(&spread_of_size);
+        let uniform = initialized(device, "spread", contents, wgpu::BufferUsages::UNIFORM);
         let images = |images: [&wgpu::TextureView; 5]| {
             let first = [uniform.as_entire_binding(), wgpu::BindingResource::Sampler(&pipelines.sampler)];
             let all: Vec<_> =

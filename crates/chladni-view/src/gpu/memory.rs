@@ -31,11 +31,29 @@ impl Use {
 
 /// A buffer of these bytes, at least one.
 pub(crate) fn filled(gpu: &Gpu, label: &str, contents: &[u8], used: Use) -> Buffer {
-    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+    initialized(&gpu.device, label, contents, used.usages(gpu))
+}
+
+/// The same for any use. wgpu's own way to this panics where there is no memory, or no device any more.
+pub(super) fn initialized(
+    device: &wgpu::Device,
+    label: &str,
+    contents: &[u8],
+    usage: BufferUsages,
+) -> Buffer {
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        contents,
-        usage: used.usages(gpu),
-    })
+        size: (contents.len() as u64).max(1).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
+        usage,
+        mapped_at_creation: true,
+    });
+    // Else the device's callbacks hear of it.
+    if let Ok(mut mapped) = buffer.get_mapped_range_mut(..) {
+        mapped.slice(..contents.len()).copy_from_slice(contents);
+        drop(mapped);
+        buffer.unmap();
+    }
+    buffer
 }
 
 /// These triangles, the bytes of `contents`, where vertex stages look them up.
@@ -84,4 +102,21 @@ pub(crate) fn image(gpu: &Gpu, label: &str, [width, height, levels]: [u32; 3], p
         pyramid,
     );
     super::screen::view(&texture)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_is_gone_fills_no_buffer_and_does_not_end_the_program() {
+        let Ok(gpu) = Gpu::headless() else { return };
+        // Bytes that are no whole words, too.
+        let _ = filled(&gpu, "test", &[1, 2, 3], Use::Vertices);
+        assert!(gpu.check().is_ok());
+        gpu.device.destroy();
+        let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        let _ = filled(&gpu, "test", &[1, 2, 3, 4], Use::Vertices);
+        assert!(gpu.check().is_err());
+    }
 }

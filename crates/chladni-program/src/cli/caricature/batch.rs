@@ -147,7 +147,10 @@ const MOST_BYTES: u64 = 64 << 20;
 
 /// The meshes that a text file names, in its order; empty lines and comments are left out. A name that is not found from the
 /// current folder is one beside the list, as in playlists, if it is there.
-fn meshes_listed(list: &Path) -> Result<Vec<PathBuf>, Error> {
+///
+/// # Errors
+/// [`Error::Input`] where it cannot be read, is a mesh or a project, or lists none.
+pub fn meshes_listed(list: &Path) -> Result<Vec<PathBuf>, Error> {
     let why = match Format::of_path(list) {
         Some(_) => Some("is a mesh: --batch takes a folder or a list of meshes; for one, give it as SHAPE"),
         None if is_project(list) => {

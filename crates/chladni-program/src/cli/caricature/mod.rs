@@ -13,6 +13,7 @@ use chladni_match::MatchSettings;
 use chladni_mesh::{Format, TriMesh};
 use chladni_task::counted;
 
+pub use self::batch::meshes_listed;
 use super::Terminal;
 use super::gallery::GalleryOptions;
 use super::ink::{InkOptions, check_drawing};

@@ -30,7 +30,7 @@ use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::{MESHES, PROJECT, is_project, opened_together};
-use crate::work::{Error, file_hash, layer_against, shown_name};
+use crate::work::{Error, file_hash, layer_against, shown_name, source};
 
 /// The use of files that come together.
 pub(super) struct Arranged {
@@ -109,6 +109,10 @@ impl CaricatureRoom {
                             "{missing} is not there. {mesh} was taken in its place, but by their names it may be \
                              another."
                         ));
+                    }
+                    let known = |file: &Path| shared.settings.knows(path, file);
+                    if let Some(warning) = source::outside(path, &project, known) {
+                        shared.notices.warn(warning);
                     }
                     let found_moved = !found.is_empty();
                     Candidate { path: Some(path.to_owned()), on_disk, found_moved, ..Candidate::new(project) }
@@ -319,7 +323,7 @@ impl CaricatureRoom {
             match Autosave::start(folder) {
                 Ok(autosave) => self.autosave = Some(Ok(autosave)),
                 Err(why) => {
-                    shared.notices.warn(format!("There will be no recovery after a crash: {why}"));
+                    shared.notices.warn(format!("No recovery copy can be kept: {why}"));
                     self.autosave = Some(Err(()));
                 }
             }
@@ -360,11 +364,13 @@ fn is_changed_elsewhere(path: &Path, known: Option<&str>) -> bool {
     !is_gone && (now.is_none() || now.as_deref() != known)
 }
 
-/// The hash of the file of a recovered project; none where that was written after the copy, as by another program.
+/// The hash of the file of a recovered project; none where that was written after the copy, as by another program, or may have
+/// been, as the copy is dated by a clock that was ahead.
 fn known_original(recovered: &Recovered) -> Option<String> {
     let original = recovered.original.as_deref()?;
     let written = original.metadata().ok()?.modified().ok()?;
-    if written <= recovered.modified? { file_hash(original) } else { None }
+    let copied = recovered.modified?;
+    if written <= copied && copied.elapsed().is_ok() { file_hash(original) } else { None }
 }
 
 /// Writes the project to `path`, where its own file is; `None` where another program has changed that.
@@ -379,6 +385,7 @@ fn save_unchanged(session: &mut Session, path: &Path) -> Option<Result<(), Error
 
 /// Writes the project to `path`, whole or not at all.
 fn save_to(session: &mut Session, path: &Path) -> Result<(), Error> {
+    session.project().check_near(path)?;
     let text = session.project().to_text(path, None).map_err(Error::unsaved)?;
     let failed = |source| Error::unsaved(CaricatureError::Io { path: path.to_owned(), source });
     write_atomic(path, text.as_bytes()).map_err(failed)?;
@@ -413,7 +420,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let original = folder.path().join("p.chladni");
         std::fs::write(&original, "by another program").unwrap();
-        let written = original.metadata().unwrap().modified().unwrap();
+        let written = original.metadata().unwrap().modified().unwrap() - Duration::from_secs(60);
+        std::fs::File::options().write(true).open(&original).unwrap().set_modified(written).unwrap();
         let known = |copied| {
             known_original(&Recovered {
                 copy: folder.path().join("copy.chladni"),
@@ -424,5 +432,6 @@ mod tests {
         };
         assert_eq!(known(written + Duration::from_secs(1)), file_hash(&original));
         assert_eq!(known(written - Duration::from_secs(1)), None);
+        assert_eq!(known(written + Duration::from_secs(1 << 25)), None, "the clock was ahead");
     }
 }

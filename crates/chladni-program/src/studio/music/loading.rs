@@ -1,6 +1,6 @@
 //! Preparing shapes and caricatures to dance.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::Orientation;
@@ -49,12 +49,12 @@ pub struct Ready {
 }
 
 /// Loads a shape, or a caricature's project, whose shape is the body and whose acting layers are voices: with
-/// its harmonics and their symmetry classes.
+/// its harmonics and their symmetry classes. The user has used the files `known`.
 ///
 /// # Errors
 /// Whatever is wrong with the file or the shape.
-pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
-    let aside = Aside::new(task);
+pub fn load(path: &Path, known: Vec<PathBuf>, means: Means, task: &Task) -> Result<Ready, Error> {
+    let aside = Aside::new(task).knowing(known);
     let cast = Cast::open(path, &aside)?;
     let subject = cast.subject().clone();
     let stands = cast.stands(Stance::default(), None, &aside)?;

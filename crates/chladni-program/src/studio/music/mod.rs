@@ -152,7 +152,8 @@ impl MusicRoom {
             self.drawers.open = Drawer::Body;
         }
         let (label, loads) = (format!("Opening {}", shown_name(&path)), path.clone());
-        let job = Job::start(label, &shared.ctx, move |task| loading::load(&loads, means, task));
+        let known = shared.settings.recent.clone();
+        let job = Job::start(label, &shared.ctx, move |task| loading::load(&loads, known, means, task));
         self.loading = Some((path, job));
     }
 

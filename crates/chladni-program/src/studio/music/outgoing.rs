@@ -42,10 +42,8 @@ struct Flying {
 /// What lies over a picture of the stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Over {
-    /// Of the flash guard.
+    /// The black of the stage, and what the flash guard adds.
     pub veil: Veil,
-    /// How black the stage is, in [0, 1].
-    pub dark: f32,
     /// The title of the song.
     pub title: SeenTitle,
 }
@@ -172,7 +170,7 @@ impl Outgoing {
         let Some(mut flying) = self.flying.pop_front() else { return Ok(()) };
         flying.readback.finish_into(device, &mut self.landed.rgba)?;
         (self.landed.width, self.landed.height) = flying.size;
-        shade(&mut self.landed.rgba, flying.over.veil, flying.over.dark);
+        shade(&mut self.landed.rgba, flying.over.veil);
         song_title.lay(&mut self.landed, flying.over.title);
         if let Some(recorder) = &mut self.recorder {
             let is_shared = self.camera.is_some();
@@ -194,19 +192,19 @@ impl Outgoing {
 }
 
 /// A picture behind what covers it.
-fn shade(rgba: &mut [u8], veil: Veil, dark: f32) {
+fn shade(rgba: &mut [u8], veil: Veil) {
     let (to, opacity) = match veil {
         Veil::Clear => (0.0, 0.0),
         Veil::Black(opacity) => (0.0, f32::from(opacity) / 255.0),
         Veil::White(opacity) => (255.0, f32::from(opacity) / 255.0),
     };
-    if opacity == 0.0 && dark == 0.0 {
+    if opacity == 0.0 {
         return;
     }
     for pixel in rgba.as_chunks_mut::<4>().0 {
         for channel in &mut pixel[..3] {
             let veiled = f32::from(*channel) + opacity * (to - f32::from(*channel));
-            *channel = ((1.0 - dark) * veiled).round() as u8;
+            *channel = veiled.round() as u8;
         }
     }
 }

@@ -4,7 +4,6 @@
 use std::ffi::OsString;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use chladni_view::film::CutOff;
 
@@ -14,8 +13,6 @@ use crate::work::Error;
 
 /// The folder of the notes, in that of recovery copies.
 const NOTES: &str = "recordings";
-/// The note of a recording whose disk is not there waits for it this long.
-const WAIT: Duration = Duration::from_secs(30 * 86_400);
 
 /// The note of a recording. Dropped, it is gone: the recording has ended.
 pub struct Note(PathBuf);
@@ -105,7 +102,8 @@ impl Salvage {
     }
 }
 
-/// Recordings with a note that no program writes any more. Notes of recordings that are gone are removed.
+/// Recordings with a note that no program writes any more. Notes of recordings that are gone are removed; those whose disk is
+/// not there stay, whatever their age: the clock may be wrong, and the recording is not.
 fn find(notes: &Path) -> Vec<(PathBuf, CutOff)> {
     let entries = std::fs::read_dir(notes).into_iter().flatten().filter_map(Result::ok);
     let mut found = Vec::new();
@@ -113,9 +111,7 @@ fn find(notes: &Path) -> Vec<(PathBuf, CutOff)> {
         let Some(folder) = std::fs::read(&note).ok().and_then(path_of) else { continue };
         if let Some(recording) = CutOff::find(&folder) {
             found.push((note, recording));
-        } else if folder.try_exists().is_ok_and(|is_there| !is_there)
-            && (is_mounted(&folder) || has_waited(&note))
-        {
+        } else if folder.try_exists().is_ok_and(|is_there| !is_there) && is_mounted(&folder) {
             // One that cannot be removed does no harm.
             let _ = std::fs::remove_file(&note);
         }
@@ -136,12 +132,6 @@ fn path_of(bytes: Vec<u8>) -> Option<PathBuf> {
 fn is_mounted(recording: &Path) -> bool {
     let around = recording.parent().and_then(|around| std::fs::read_dir(around).ok());
     around.is_some_and(|mut entries| entries.next().is_some())
-}
-
-/// Whether a note has waited long enough for a recording that is not there.
-fn has_waited(note: &Path) -> bool {
-    let written = note.metadata().and_then(|note| note.modified()).ok();
-    written.and_then(|written| written.elapsed().ok()).is_some_and(|age| age > WAIT)
 }
 
 fn save((note, recording): (PathBuf, CutOff)) -> Saved {
@@ -240,14 +230,20 @@ mod tests {
         assert!(is_kept(), "an empty place to mount it at");
         std::fs::remove_dir(&disk).unwrap();
         assert!(is_kept(), "no place");
+        // A clock that jumps makes notes of any age.
         let note = std::fs::File::options().write(true).open(recovery.join(NOTES).join(".chladni-abc"));
-        let before = std::time::SystemTime::now() - WAIT - Duration::from_secs(60);
-        note.unwrap().set_modified(before).unwrap();
+        let note = note.unwrap();
+        let now = std::time::SystemTime::now();
+        for written in [std::time::SystemTime::UNIX_EPOCH, now + std::time::Duration::from_secs(1 << 25)] {
+            note.set_modified(written).unwrap();
+            assert!(is_kept(), "{written:?}");
+        }
         // One that is long at work is no recording that is missing.
         std::fs::create_dir_all(&recording).unwrap();
         assert!(is_kept());
-        std::fs::remove_dir_all(&disk).unwrap();
-        assert!(!is_kept(), "after a month");
+        std::fs::remove_dir(&recording).unwrap();
+        std::fs::write(disk.join("set.mp4"), "another").unwrap();
+        assert!(!is_kept(), "the disk is there, the recording is not");
     }
 
     #[cfg(target_os = "linux")]

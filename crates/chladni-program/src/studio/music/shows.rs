@@ -20,7 +20,7 @@ use crate::studio::room::Shared;
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
 use crate::work::{
-    Error, cautions, find, is_like_a_show, is_lost, placed, playlist, refer, refer_looks, resolve,
+    Error, cautions, find, is_far, is_like_a_show, is_lost, placed, playlist, refer, refer_looks, resolve,
     resolve_looks,
 };
 
@@ -211,7 +211,7 @@ impl MusicRoom {
         let lost: RefCell<Option<PathBuf>> = RefCell::new(None);
         let show = self.the_show(shared, |file| {
             let named = refer(file, path.parent());
-            if is_lost(file, &named) {
+            if is_lost(file, &named) || is_far(Path::new(&named.path), path.parent()) {
                 *lost.borrow_mut() = Some(file.to_owned());
             }
             named
@@ -221,8 +221,8 @@ impl MusicRoom {
         show.save(path).map_err(Error::unsaved)?;
         match lost.into_inner() {
             Some(file) => shared.notices.warn(format_args!(
-                "Saved {}, which will not find {}: its name is not valid Unicode. Rename it, and its name in \
-                 the show",
+                "Saved {}, which will not find {}: its name is not valid Unicode, or that of another machine. Rename it, and \
+                 its name in the show, or keep it beside the show",
                 path.display(),
                 file.display()
             )),
@@ -230,6 +230,11 @@ impl MusicRoom {
         }
         self.concert.iter_mut().for_each(Concert::mark_saved);
         Ok(())
+    }
+
+    /// The folder from which the show at `path` names its files; `None` for a copy of our own, which has whole paths.
+    fn folder_of_names<'a>(&self, path: &'a Path) -> Option<&'a Path> {
+        path.parent().filter(|_| !self.keepsake.is_opening(path))
     }
 
     /// Opens a show's shape first where another one dances.
@@ -244,7 +249,7 @@ impl MusicRoom {
         let Some(body) = show.body.clone() else {
             return self.go_on_with(&path, &elsewhere(show), shared);
         };
-        match resolve(&body, path.parent()) {
+        match resolve(&body, self.folder_of_names(&path)) {
             Ok((body, warning)) => {
                 warning.into_iter().for_each(|warning| shared.notices.warn(warning));
                 let dances = concert.instrument().shape().eigenvalues.len();
@@ -286,6 +291,7 @@ impl MusicRoom {
     /// Continues a show on the shape that dances.
     fn go_on_with(&mut self, path: &Path, show: &Show, shared: &mut Shared<'_>) {
         self.end_calibrating();
+        let folder = self.folder_of_names(path);
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
         if let Err(why) = concert.replay(show) {
             return shared.notices.error(format!("{}: {why}", path.display()));
@@ -303,12 +309,12 @@ impl MusicRoom {
         }
         if let Some(looks) = &show.looks {
             // One that is not found keeps its place: its disk may come back. The stage says that it is missing.
-            let (mut found, _) = resolve_looks(looks.clone(), path.parent());
+            let (mut found, _) = resolve_looks(looks.clone(), folder);
             for (found, named) in
                 [(&mut found.picture, &looks.picture), (&mut found.panorama, &looks.panorama)]
             {
                 if found.is_empty() && !named.is_empty() {
-                    *found = placed(named, path.parent()).to_string_lossy().into_owned();
+                    *found = placed(named, folder).to_string_lossy().into_owned();
                 }
             }
             shared.settings.music.look_like(&found);
@@ -316,14 +322,14 @@ impl MusicRoom {
         let (mut songs, mut found) = (Vec::new(), Vec::new());
         for song in &show.songs {
             let named = song.file();
-            let file = match find(&named, path.parent()) {
+            let file = match find(&named, folder) {
                 Ok(file) => {
                     found.push((file.clone(), named));
                     file
                 }
                 Err(why) => {
                     shared.notices.warn(why);
-                    placed(&song.path, path.parent())
+                    placed(&song.path, folder)
                 }
             };
             songs.push(ShowSong::new(file, song.reading));

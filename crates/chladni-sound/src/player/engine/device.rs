@@ -121,9 +121,85 @@ mod tests {
     use std::sync::mpsc::channel;
 
     use super::*;
+    use crate::player::hand_out::HandOut;
     use crate::player::settings::PlayerSettings;
     use crate::player::shared::Shared;
-    use crate::{Song, WavSample, write_wav};
+    use crate::{SEAM_SECS, Song, WavSample, write_wav};
+
+    const RATE_HZ: u32 = 8000;
+    const LOUD: f32 = 0.9;
+
+    /// The next 64 frames that a device is handed out, on the left.
+    fn ask(hand_out: &mut HandOut) -> Vec<f32> {
+        let (mut buffer, now) = ([0.0f32; 128], Instant::now());
+        hand_out.fill(&mut buffer, now, now);
+        buffer.iter().step_by(2).copied().collect()
+    }
+
+    /// What a device hears of a loud level until it is closed, as another one is to be opened that is not there, and what the
+    /// next one hears at first.
+    fn change_of_device(folder: &std::path::Path) -> [Vec<f32>; 2] {
+        let path = folder.join("loud.wav");
+        let left = vec![LOUD; 20 * RATE_HZ as usize];
+        let song = Song { rate_hz: RATE_HZ, right: left.clone(), left };
+        write_wav(&path, &song, WavSample::Float32).unwrap();
+        let (shared, (_commands, received), (report, _events)) =
+            (Arc::new(Shared::new(1.0)), channel(), channel());
+        let settings = PlayerSettings { audible: false, ..PlayerSettings::default() };
+        let mut engine = Engine::new(Arc::clone(&shared), received, report, settings);
+        (engine.list.songs, engine.device) = (vec![path], Some("nowhere".into()));
+        let (output, mut hand_out, open) = Output::by_hand(RATE_HZ, &shared.clock);
+        engine.change_output(output, None);
+        engine.start(Some(0), 0.0, true);
+        engine.fill();
+        let device = std::thread::spawn(move || {
+            let mut heard = Vec::new();
+            while !open.is_abandoned() {
+                let frames = ask(&mut hand_out);
+                if !open.is_abandoned() {
+                    heard.extend(frames);
+                }
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            heard
+        });
+        let end = Instant::now() + chladni_testdata::HANGS;
+        while shared.clock.consumed() < 1000 {
+            assert!(Instant::now() < end, "the device asks for nothing");
+            engine.fill();
+            std::thread::sleep(LOOK);
+        }
+        engine.reopen(true);
+        let before = device.join().unwrap();
+        let (output, mut hand_out, _open) = Output::by_hand(RATE_HZ, &shared.clock);
+        engine.change_output(output, None);
+        engine.start(Some(0), 1.0, true);
+        engine.fill();
+        let after = (0..8).flat_map(|_| ask(&mut hand_out)).collect();
+        [before, after]
+    }
+
+    #[test]
+    fn a_device_that_is_changed_fades_out_and_the_next_one_fades_in() {
+        let folder = tempfile::tempdir().unwrap();
+        // The fade of a jump, and that of the gain.
+        let most = 3.1 * LOUD / (SEAM_SECS * RATE_HZ as f32);
+        let largest_step = |heard: &[f32]| {
+            let steps = heard.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+            steps.fold(0.0, f32::max)
+        };
+        // A busy machine may not ask for the end of the fade while it is waited for.
+        let fades_out = (0..4).any(|_| {
+            let [before, after] = change_of_device(folder.path()).map(|heard| [vec![0.0], heard].concat());
+            for heard in [&before, &after] {
+                assert!(heard.iter().any(|sample| *sample > 0.99 * LOUD), "nothing is heard");
+                let step = largest_step(heard);
+                assert!(step <= most, "{step} of {most}");
+            }
+            before.last() == Some(&0.0)
+        });
+        assert!(fades_out, "it is closed while it sounds");
+    }
 
     #[test]
     fn a_device_of_another_rate_goes_on_where_the_song_was_heard() {

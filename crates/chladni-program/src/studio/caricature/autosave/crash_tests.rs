@@ -15,8 +15,12 @@ use super::*;
 /// The folder in which the child works, and the seed of what it does.
 const FOLDER: &str = "CHLADNI_TEST_EDITS";
 const SEED: &str = "CHLADNI_TEST_SEED";
-/// The program's own rules with a shorter time between two copies, so that many fit between two kills.
-const PERIOD_SECS: f64 = 0.03;
+/// The program's own rules with a shorter time between two copies, so that many fit between two kills; its own 2 s are
+/// `CHLADNI_PERIOD_MS=2000`.
+fn period_secs() -> f64 {
+    chladni_testdata::setting(PERIOD, 30) as f64 / 1e3
+}
+const PERIOD: &str = "CHLADNI_PERIOD_MS";
 
 /// A random editor: the same seed makes the same edits.
 struct Editor {
@@ -89,7 +93,7 @@ fn edits_until_killed() {
     let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else { return };
     let seed = std::env::var(SEED).unwrap().parse().unwrap();
     let (mut editor, mut pauses) = (Editor::new(seed), chladni_testdata::chance(seed + 1));
-    let mut autosave = Autosave::every([PERIOD_SECS; 2], &folder.join("state")).unwrap();
+    let mut autosave = Autosave::every([period_secs(); 2], &folder.join("state")).unwrap();
     let began = Instant::now();
     // The turns of the copies, by the numbers of their orders.
     let mut ordered = Vec::new();
@@ -157,7 +161,7 @@ impl Said {
         let times = || std::iter::once(&0.0).chain(&self.did).chain([&self.last_secs]);
         let look = times().zip(times().skip(1)).map(|(one, next)| next - one).fold(0.0, f64::max);
         let writing = self.under_way.front().map_or(0.0, |(_, began)| self.last_secs - began);
-        PERIOD_SECS + look + writing
+        period_secs() + look + writing
     }
 }
 
@@ -190,6 +194,7 @@ fn what_is_missing_after_a_kill_is_no_older_than_a_copy_and_a_save() {
             .args(["--exact", &format!("{name}::edits_until_killed"), "--ignored", "--test-threads=1"])
             .env(FOLDER, folder.path())
             .env(SEED, seed.to_string())
+            .env(PERIOD, format!("{:.0}", 1e3 * period_secs()))
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
@@ -198,7 +203,9 @@ fn what_is_missing_after_a_kill_is_no_older_than_a_copy_and_a_save() {
         while said.did.is_empty() {
             said.hear(&lines.next().expect("it begins"));
         }
-        std::thread::sleep(Duration::from_micros(below(&mut chance, 120_000) as u64));
+        std::thread::sleep(Duration::from_secs_f64(
+            4.0 * period_secs() * below(&mut chance, 1000) as f64 / 1e3,
+        ));
         child.kill().unwrap();
         child.wait().unwrap();
         lines.for_each(|line| said.hear(&line));

@@ -83,13 +83,8 @@ impl Concert {
                 }
                 self.pane.shown = Some(shown);
             }
-            self.pane.veil = if self.pane.judged {
-                self.pane.guard.set_area(flash_area);
-                self.pane.guard.veil(self.seconds, self.pane.glimpse.histogram())
-            } else {
-                Veil::Clear
-            };
-            self.moving |= self.pane.glimpse.is_coming() || self.pane.veil != Veil::Clear;
+            self.pane.guard.set_area(flash_area);
+            self.moving |= self.pane.glimpse.is_coming();
         } else {
             self.pane.viewport.draw(ui, rect, |_| staged.cells(&figures))?;
             self.pane.shown = Some(shown);
@@ -109,11 +104,21 @@ impl Concert {
         if let Some(texture) = self.pane.texture() {
             projection.paint(ui, rect, texture);
         }
+        self.cover(is_kept);
         self.pane.lay_veil(ui, rect);
-        if self.draws_stage {
-            self.moving |= self.house.cover(ui, rect, self.seconds);
-        }
         self.send(is_kept)
+    }
+
+    /// Chooses the veil: the black of the stage and, where flashes are limited, what the guard adds to it.
+    fn cover(&mut self, limited: bool) {
+        let (dark, changes) = if self.draws_stage { self.house.opacity(self.seconds) } else { (0, false) };
+        let pane = &mut self.pane;
+        pane.veil = if limited && pane.judged {
+            pane.guard.veil_over_dark(self.seconds, pane.glimpse.histogram(), dark)
+        } else {
+            Veil::black(dark)
+        };
+        self.moving |= changes || pane.veil != Veil::black(dark);
     }
 
     /// Gives films and other programs the picture of the stage or, where there is none, the window.
@@ -121,12 +126,8 @@ impl Concert {
         let seen = self.draws_stage || !self.on_stage();
         let canvas = if is_kept { self.pane.viewport.kept_canvas() } else { self.pane.viewport.canvas() };
         let Some(canvas) = canvas.filter(|_| seen) else { return Ok(()) };
-        let (dark, title) = if self.draws_stage {
-            (self.house.level(self.seconds).0, self.title_opacity(self.seconds))
-        } else {
-            (0.0, 0.0)
-        };
-        let over = Over { veil: self.pane.veil, dark, title: self.song_title.seen(title) };
+        let title = if self.draws_stage { self.title_opacity(self.seconds) } else { 0.0 };
+        let over = Over { veil: self.pane.veil, title: self.song_title.seen(title) };
         self.outgoing.take(self.pane.viewport.device(), canvas, self.seconds, over, &mut self.song_title)
     }
 
@@ -135,7 +136,7 @@ impl Concert {
         if self.house.frozen { 0.0 } else { self.house.light() * self.song_title.opacity(now_secs) }
     }
 
-    /// Shows the last picture again, as it was but for the black of the stage and for a veil, which lifts.
+    /// Shows the last picture again, as it was but for the veil, which may change.
     pub(super) fn repaint(
         &mut self,
         ui: &mut Ui,
@@ -145,10 +146,6 @@ impl Concert {
         ui.allocate_rect(rect, egui::Sense::hover());
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
         self.pane.limit(limited);
-        if limited && self.pane.judged {
-            self.pane.veil = self.pane.guard.veil(self.seconds, self.pane.glimpse.histogram());
-            self.moving |= self.pane.veil != Veil::Clear;
-        }
         self.present(ui, projection, rect, limited)
     }
 }

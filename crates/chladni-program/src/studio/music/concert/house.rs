@@ -1,7 +1,5 @@
 //! Black and stillness on stage, by hand.
 
-use egui::{Color32, Rect, Ui};
-
 /// Light goes and comes back within this time.
 const FADE_SECS: f64 = 0.6;
 /// The least time between two changes: no more than three flashes a second, however fast a hand is.
@@ -42,8 +40,14 @@ impl House {
         *self = Self::default();
     }
 
+    /// How black it is, of 255, and whether that changes.
+    pub fn opacity(&mut self, now_secs: f64) -> (u8, bool) {
+        let (level, changes) = self.level(now_secs);
+        ((255.0 * level).round() as u8, changes)
+    }
+
     /// How black it is, in [0, 1], and whether that changes.
-    pub fn level(&mut self, now_secs: f64) -> (f32, bool) {
+    fn level(&mut self, now_secs: f64) -> (f32, bool) {
         if self.black != self.falls && now_secs - self.changed_secs >= LEAST_SECS {
             (self.falls, self.from, self.changed_secs) = (self.black, self.level, now_secs);
         }
@@ -52,30 +56,12 @@ impl House {
         self.level = self.from + gone * (to - self.from);
         (self.level, gone < 1.0 || self.black != self.falls)
     }
-
-    /// Darkens `rect`; whether that changes.
-    pub fn cover(&mut self, ui: &Ui, rect: Rect, now_secs: f64) -> bool {
-        let (_, changes) = self.level(now_secs);
-        self.darken(ui, rect);
-        changes
-    }
-
-    /// Darkens `rect` as it was when last looked at.
-    pub fn darken(&self, ui: &Ui, rect: Rect) {
-        if self.level > 0.0 {
-            ui.painter().rect_filled(
-                rect,
-                0.0,
-                Color32::from_black_alpha((255.0 * self.level).round() as u8),
-            );
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_music::{MAX_FLASHES, most_flashes_per_second};
+    use chladni_music::{FlashCount, FlashGuard, Histogram, MAX_FLASHES, Veil, most_flashes_per_second};
 
     #[test]
     fn it_goes_black_and_comes_back() {
@@ -103,6 +89,42 @@ mod tests {
                 light.push(1.0 - house.level(now_secs).0);
             }
             assert!(most_flashes_per_second(&times_secs, &light) <= MAX_FLASHES, "every {every}");
+        }
+    }
+
+    /// Flashes in the worst second of a picture whose halves strobe in turn or together, `hz` times a second, where a hand
+    /// wants black or light again `every` so many of 60 frames a second.
+    fn flashes_beside_a_strobe(hz: f64, in_turn: bool, every: u32) -> usize {
+        let (mut guard, mut count, mut house) =
+            (FlashGuard::default(), FlashCount::default(), House::default());
+        let mut picture = Histogram::default();
+        for frame in 0..300 {
+            if frame % every == 0 {
+                house.toggle_black();
+            }
+            let now_secs = 10.0 + f64::from(frame) / 60.0;
+            let is_on = (now_secs * hz + 1e-9).fract() < 0.5;
+            picture.clear();
+            for (x, y) in (0..48).flat_map(|x| (0..32).map(move |y| (x, y))) {
+                let is_light = is_on != (in_turn && x < 24);
+                picture.add([x, y], [48, 32], [if is_light { 255 } else { 0 }; 3]);
+            }
+            let (dark, _) = house.opacity(now_secs);
+            let veil = guard.veil_over_dark(now_secs, &picture, dark);
+            count.note(now_secs, &picture, veil);
+            let is_dark = matches!(veil, Veil::Black(opacity) if opacity >= dark);
+            assert!(is_dark || dark == 0, "{veil:?} is lighter than {dark}");
+        }
+        count.most_per_second()
+    }
+
+    #[test]
+    fn black_by_hand_adds_no_flashes_to_those_of_a_strobe() {
+        for (hz, every) in [(4.0, 12), (5.0, 26), (6.0, 24)] {
+            for in_turn in [false, true] {
+                let flashes = flashes_beside_a_strobe(hz, in_turn, every);
+                assert!((1..=MAX_FLASHES).contains(&flashes), "{hz} Hz, {every}, {in_turn}: {flashes}");
+            }
         }
     }
 }

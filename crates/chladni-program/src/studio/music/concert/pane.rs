@@ -14,7 +14,7 @@ pub struct Pane {
     pub viewport: Viewport,
     pub glimpse: Glimpse,
     pub guard: FlashGuard,
-    /// What the guard has laid over the last picture.
+    /// What lies over the last picture: the black of the stage, and what the guard adds.
     pub veil: Veil,
     /// The last picture; `None` where something else was shown.
     pub shown: Option<StillPicture>,
@@ -59,7 +59,7 @@ impl Pane {
         Ok(())
     }
 
-    /// Lays the guard's veil over `rect`, where the picture is.
+    /// Lays the veil over `rect`, where the picture is.
     pub fn lay_veil(&self, ui: &Ui, rect: Rect) {
         let veil = match self.veil {
             Veil::Clear => return,

@@ -19,17 +19,16 @@ impl Concert {
         let aspect = width as f32 / height.max(1) as f32;
         let (rect, response) = ui.allocate_exact_size(vec2(HEIGHT * aspect, HEIGHT), Sense::hover());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "The stage"));
-        self.paint_stage(ui, pane, rect);
+        paint_stage(ui, pane, rect);
         response.author_id("preview").on_hover_ui(|ui| {
             let (rect, _) = ui.allocate_exact_size(vec2(LARGE * aspect, LARGE), Sense::hover());
-            self.paint_stage(ui, pane, rect);
+            paint_stage(ui, pane, rect);
         });
     }
+}
 
-    fn paint_stage(&self, ui: &Ui, pane: &Pane, rect: Rect) {
-        let Some(texture) = pane.texture() else { return };
-        ui.painter().image(texture, rect, theme::WHOLE_IMAGE, Color32::WHITE);
-        pane.lay_veil(ui, rect);
-        self.house.darken(ui, rect);
-    }
+fn paint_stage(ui: &Ui, pane: &Pane, rect: Rect) {
+    let Some(texture) = pane.texture() else { return };
+    ui.painter().image(texture, rect, theme::WHOLE_IMAGE, Color32::WHITE);
+    pane.lay_veil(ui, rect);
 }

@@ -283,6 +283,43 @@ mod tests {
         assert!(rms() > 0.4);
     }
 
+    /// The center of the band that is loudest after a second of a tone of 1 kHz at this rate, which comes in one block for
+    /// so many frames of the window; and the least that was heard of it, once it had begun.
+    fn heard_of_a_tone(listening: &mut Listening, from_secs: f64, rate_hz: u32, frames: usize) -> (f32, f32) {
+        let (capture, mut feed) = Capture::fed(rate_hz).unwrap();
+        listening.listen_on(capture, "feed".into());
+        let block = frames * rate_hz as usize / 40;
+        let mut least = f32::INFINITY;
+        for frame in 1..=40 {
+            if frame % frames == 0 {
+                let at = |n: usize| std::f32::consts::TAU * 1000.0 * n as f32 / rate_hz as f32;
+                let first = frame / frames * block;
+                let tone: Vec<f32> = (first..first + block).map(|n| 0.5 * at(n).sin()).collect();
+                feed.push(&tone, &tone);
+            }
+            let now_secs = from_secs + frame as f64 / 40.0;
+            listening.hear(now_secs, &Parameters::default(), |_, _| Ok(())).unwrap();
+            if frame > 20 {
+                least = least.min(listening.levels()[0].rms);
+            }
+        }
+        let (spectrum, bands_hz) = listening.spectrum();
+        let loudest = spectrum.mid.iter().zip(bands_hz).max_by(|a, b| a.0.total_cmp(b.0)).unwrap();
+        (*loudest.1, least)
+    }
+
+    #[test]
+    fn a_tone_is_in_its_band_at_any_rate_and_in_blocks_of_any_size() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        // An input that comes back at another rate, and one whose sound comes in bursts of a tenth of a second.
+        for (from_secs, rate_hz, frames) in [(1.0, 48_000, 1), (2.0, 44_100, 1), (3.0, 48_000, 4)] {
+            let (loudest_hz, least) = heard_of_a_tone(&mut listening, from_secs, rate_hz, frames);
+            // At a wrong rate it would be 9 % off.
+            assert!((loudest_hz / 1000.0 - 1.0).abs() < 0.04, "{loudest_hz} Hz at {rate_hz} in {frames}");
+            assert!(least > 0.3, "{least} at {rate_hz} in {frames}");
+        }
+    }
+
     #[test]
     fn a_source_that_was_lost_is_heard_when_it_is_back() {
         let Some(server) = chladni_testdata::SoundServer::start() else { return };

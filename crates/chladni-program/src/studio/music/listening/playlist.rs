@@ -223,6 +223,14 @@ mod tests {
         Listening::start(&egui::Context::default(), 1.0, None).unwrap()
     }
 
+    fn until(listening: &Listening, mut is_it: impl FnMut(&PlayerStatus) -> bool) {
+        let end = Instant::now() + chladni_testdata::HANGS;
+        while !is_it(&listening.player().status()) {
+            assert!(Instant::now() < end, "{:?}", listening.player().status());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
     #[test]
     fn what_dances_is_the_moment_ahead_of_the_one_that_is_heard() {
         let mut listening = listening();
@@ -230,18 +238,15 @@ mod tests {
             let heard = listening.hear(now_secs, &Parameters::default(), |_, _| Ok(())).unwrap();
             heard.at_secs
         };
-        while listening.player().status().position_secs < 0.3 {
-            std::thread::sleep(Duration::from_millis(5));
-        }
+        until(&listening, |status| status.position_secs >= 0.3);
         listening.player().pause();
         // The position stands once the pause has reached the device.
         let (mut last, mut stood) = (-1.0, 0);
-        while stood < 50 {
-            std::thread::sleep(Duration::from_millis(20));
-            let now = listening.player().status().position_secs;
-            stood = if now == last { stood + 1 } else { 0 };
-            last = now;
-        }
+        until(&listening, |status| {
+            stood = if status.position_secs == last { stood + 1 } else { 0 };
+            last = status.position_secs;
+            stood == 200
+        });
         hear(&mut listening, 1.0);
         let before = hear(&mut listening, 1.0);
         listening.show_ahead(0.125);
@@ -261,13 +266,6 @@ mod tests {
         let broken = folder.path().join("broken.wav");
         std::fs::write(&broken, b"no music").unwrap();
         let mut listening = listening();
-        let until = |listening: &Listening, is_it: fn(&PlayerStatus) -> bool| {
-            let end = Instant::now() + chladni_testdata::HANGS;
-            while !is_it(&listening.player().status()) {
-                assert!(Instant::now() < end, "{:?}", listening.player().status());
-                std::thread::sleep(Duration::from_millis(5));
-            }
-        };
         until(&listening, |status| status.duration_secs.is_some() && status.position_secs > 0.0);
         listening.add(vec![broken]);
         until(&listening, |status| status.state == PlayerState::Stopped);

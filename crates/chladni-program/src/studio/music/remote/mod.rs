@@ -275,6 +275,17 @@ mod tests {
     }
 
     #[test]
+    fn nothing_is_heard_until_the_user_wants_it() {
+        let (mut remote, mut notices) = (Remote::default(), Notices::default());
+        remote.listen(&Preferences::default(), &mut notices);
+        assert!(remote.osc.is_none());
+        // Then it is heard from this machine alone.
+        let preferences = Preferences { osc_port: Some(0), ..Preferences::default() };
+        remote.listen(&preferences, &mut notices);
+        assert!(remote.osc.is_some() && remote.port == Some((0, Senders::Here)));
+    }
+
+    #[test]
     fn presses_of_one_frame_count_one_after_the_other() {
         let (mut cues, mut parameters) = (Vec::new(), Parameters::default());
         for address in ["/chladni/form", "/chladni/own-mu"].repeat(2) {
