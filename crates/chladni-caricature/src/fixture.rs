@@ -15,8 +15,12 @@ pub(crate) const DEGREE: usize = 6;
 
 /// A bumpy sphere of 642 vertices with K = 49, in a frame that is not the file's.
 pub(crate) fn bumpy_sphere() -> (Arc<Body>, Surface) {
+    sphere_with_bumps(|p| 0.7 + 0.15 * (3.0 * p[0]).sin() + 0.1 * p[1] * p[2] + 0.03 * (9.0 * p[2]).cos())
+}
+
+/// A sphere whose radius is `bump` of each of its points, as [`bumpy_sphere`] is one.
+pub(crate) fn sphere_with_bumps(bump: impl Fn(&Vec3) -> f64) -> (Arc<Body>, Surface) {
     let (points, triangles) = icosphere(3);
-    let bump = |p: &Vec3| 0.7 + 0.15 * (3.0 * p[0]).sin() + 0.1 * p[1] * p[2] + 0.03 * (9.0 * p[2]).cos();
     let positions: Vec<Vec3> = points.iter().map(|p| scaled(*p, bump(p))).collect();
     let mut mass = vec![0.0; points.len()];
     for t in &triangles {
@@ -35,7 +39,13 @@ pub(crate) fn bumpy_sphere() -> (Arc<Body>, Surface) {
 
 /// The body's rest shape as a base, and a template that is another lump with the same vertices.
 pub(crate) fn base_and_target() -> (Arc<Body>, Surface, Arc<Base>, Arc<Target>) {
-    let (body, surface) = bumpy_sphere();
+    with_target(bumpy_sphere())
+}
+
+/// As [`base_and_target`] for another shape.
+pub(crate) fn with_target(
+    (body, surface): (Arc<Body>, Surface),
+) -> (Arc<Body>, Surface, Arc<Base>, Arc<Target>) {
     let base = Base::new(body.basis.clone(), Arc::new(surface.clone()), body.positions.clone()).unwrap();
     let target = body.positions.iter().map(|p| {
         let r = length(*p);

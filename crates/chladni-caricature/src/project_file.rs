@@ -127,15 +127,25 @@ fn yes() -> bool {
 }
 
 impl Project {
-    /// Reads the project file at `path`. Paths in it are taken from its folder; where `path` is a link, from that
-    /// of the file that it leads to.
+    /// Reads the project file at `path`, as [`read`](Self::read) does, where it is [near](Self::check_near).
+    ///
+    /// # Errors
+    /// As of both.
+    pub fn load(path: &Path) -> Result<Self, CaricatureError> {
+        let project = Self::read(path)?;
+        project.check_near(path, |_| false)?;
+        Ok(project)
+    }
+
+    /// Reads the project file at `path`, whichever files it names. Paths in it are taken from its folder; where `path` is a
+    /// link, from that of the file that it leads to.
     ///
     /// Files of older formats are brought up to date in memory.
     ///
     /// # Errors
     /// A file that cannot be read, that is not a valid project (with line and column where known), or that a newer
-    /// program wrote; one that names a file of [another machine](asks_another_machine), which is not looked for.
-    pub fn load(path: &Path) -> Result<Self, CaricatureError> {
+    /// program wrote.
+    pub fn read(path: &Path) -> Result<Self, CaricatureError> {
         let bytes = read_file(path, MOST_BYTES)
             .map_err(|source| CaricatureError::Io { path: path.into(), source })?;
         let no_text = || CaricatureError::ProjectFile {
@@ -143,22 +153,28 @@ impl Project {
             why: "is no text, so it is not a Chladni project".into(),
         };
         let text = String::from_utf8(bytes).map_err(|_| no_text())?;
-        let project = Self::from_text(&text, path)?.0;
-        project.check_near(path)?;
-        Ok(project)
+        Ok(Self::from_text(&text, path)?.0)
     }
 
-    /// Checks that a project at `path` names no file of [another machine](asks_another_machine): one would not be read.
+    /// The files of [another machine](asks_another_machine) that a project at `path` names.
+    pub fn far_files(&self, path: &Path) -> Vec<&Path> {
+        let place = whole(path);
+        let mut files = self.files();
+        files.retain(|file| asks_another_machine(file, folder_of(&place)));
+        files
+    }
+
+    /// Checks, before any of them is looked for, that a project at `path` names no [far files](Self::far_files) but those
+    /// that are `known` to the user.
     ///
     /// # Errors
     /// [`CaricatureError::ProjectFile`] with the file that it names.
-    pub fn check_near(&self, path: &Path) -> Result<(), CaricatureError> {
-        let place = whole(path);
-        let far = self.files().into_iter().find(|file| asks_another_machine(file, folder_of(&place)));
+    pub fn check_near(&self, path: &Path, known: impl Fn(&Path) -> bool) -> Result<(), CaricatureError> {
+        let far = self.far_files(path).into_iter().find(|file| !known(file));
         far.map_or(Ok(()), |file| {
             let why = format!(
-                "names {}, and a project reads files of another machine only from the share that it lies on: connect that \
-                 share as a drive, or keep them together",
+                "names {}, which is on another machine and was not looked for: open the project together with that mesh, or \
+                 keep both on one share",
                 file.display()
             );
             Err(CaricatureError::ProjectFile { path: path.into(), why })
@@ -169,9 +185,8 @@ impl Project {
     /// happens to this process meanwhile.
     ///
     /// # Errors
-    /// As [`check_near`](Self::check_near) and [`to_text`](Self::to_text), or an error of the system.
+    /// As [`to_text`](Self::to_text), or an error of the system.
     pub fn save(&self, path: &Path) -> Result<(), CaricatureError> {
-        self.check_near(path)?;
         let text = self.to_text(path, None)?;
         chladni_task::write_atomic(path, text.as_bytes())
             .map_err(|source| CaricatureError::Io { path: path.into(), source })
@@ -222,7 +237,7 @@ impl Project {
     /// The project in the `text` of a file at `path` and, from a recovery file, where it was saved before.
     ///
     /// # Errors
-    /// As [`load`](Self::load), but those of the file system.
+    /// As [`read`](Self::read), but those of the file system.
     pub fn from_text(text: &str, path: &Path) -> Result<(Self, Option<PathBuf>), CaricatureError> {
         let invalid = |why: String| CaricatureError::ProjectFile { path: path.into(), why };
         let table: toml::Table = text.parse().map_err(|e: toml::de::Error| invalid(one_line(&e, text)))?;

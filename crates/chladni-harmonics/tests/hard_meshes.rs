@@ -6,7 +6,8 @@
 mod shapes;
 
 use chladni_harmonics::{
-    BasisSettings, BasisWarning, Body, CoverReport, HarmonicsError, Laplacian, Operator, mesh_laplacian,
+    Basis, BasisSettings, BasisWarning, Body, CoverReport, HarmonicsError, Laplacian, Operator,
+    mesh_laplacian,
 };
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
@@ -172,6 +173,10 @@ fn planted_faults_fail_the_certificate() {
         removed.vectors = [&good.vectors[..k * n], &good.vectors[(k + 1) * n..]].concat().into();
         assert_eq!(operator.certify(&removed).unwrap().inertia_counts_match, Some(false), "{k}");
     }
+    // The second pair alone.
+    let (eigenvalues, vectors) = (vec![good.eigenvalues[1]], good.harmonic(1).to_vec().into());
+    let second = Basis { eigenvalues, vectors, ..good.clone() };
+    assert_eq!(operator.certify(&second).unwrap().inertia_counts_match, Some(false));
     // The last harmonic in place of the constant.
     let mut misplaced = good.clone();
     misplaced.eigenvalues.pop();

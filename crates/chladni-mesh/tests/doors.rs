@@ -143,15 +143,21 @@ mod unix {
     use std::path::Path;
     use std::process::Command;
 
-    /// Names in `folder` of links out of it, of a device, and of a pipe that nobody writes into.
+    /// Names in `folder` of links out of it, of a device, and of a pipe that nobody writes into, where mkfifo makes one.
+    #[allow(clippy::print_stdout, reason = "a skipped part must say so")]
     pub fn names(folder: &Path) -> Vec<String> {
         let targets =
             [("../secret", "link"), ("../..", "below/up"), ("/dev/zero", "zero"), ("link", "chain")];
         for (target, link) in targets {
             symlink(target, folder.join(link)).unwrap();
         }
-        assert!(Command::new("mkfifo").arg(folder.join("pipe")).status().unwrap().success());
-        let names = ["link", "below/up/secret", "zero", "chain", "pipe", "/dev/zero"];
-        names.map(str::to_owned).into()
+        let mut names = vec!["link", "below/up/secret", "zero", "chain", "/dev/zero"];
+        let made = Command::new("mkfifo").arg(folder.join("pipe")).status();
+        if made.is_ok_and(|made| made.success()) {
+            names.push("pipe");
+        } else {
+            println!("skipped: a pipe, which mkfifo does not make here");
+        }
+        names.into_iter().map(str::to_owned).collect()
     }
 }

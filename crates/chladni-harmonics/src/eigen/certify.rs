@@ -54,16 +54,19 @@ impl Operator {
         let components = Components::of(self.pencil(), &self.component, Kind::Surface)?;
         let scale = 4.0 * std::f64::consts::PI / self.mass.iter().sum::<f64>();
         let margin = |lambda: f64| ROOM * lambda.max(scale);
-        let is_room = |k: usize| values[k] - values[k - 1] > ROOM * values[k];
+        let is_room = |k: usize| match k {
+            0 => values[0] > margin(0.0),
+            _ => values[k] - values[k - 1] > ROOM * values[k],
+        };
         let mut places: Vec<(usize, f64)> = (1..values.len())
             .step_by(STRIDE)
             .filter_map(|from| (from..values.len()).find(|&k| is_room(k)))
             .map(|k| (k, 0.5 * (values[k - 1] + values[k])))
             .collect();
         places.dedup_by_key(|p| p.0);
-        // K may cut the last group of equal eigenvalues; just below it no pair is missing.
-        if let Some(k) = (1..values.len()).rev().find(|&k| is_room(k)) {
-            let middle = 0.5 * (values[k - 1] + values[k]);
+        // K may cut the last group of equal eigenvalues; just below it no pair is missing, even if it is all that there is.
+        if let Some(k) = (0..values.len()).rev().find(|&k| is_room(k)) {
+            let middle = 0.5 * (k.checked_sub(1).map_or(0.0, |k| values[k]) + values[k]);
             places.push((k, middle.max(values[k] - margin(values[k]))));
         }
         for (k, lambda) in places {

@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::Path;
 
-use chladni_harmonics::SymmetricSparse;
+use chladni_harmonics::{Laplacian, SymmetricSparse};
 use chladni_mesh::TriMesh;
 use chladni_testdata::setting;
 use serde::{Deserialize, Serialize};
@@ -38,9 +38,13 @@ struct Record {
 
 #[derive(Serialize, Deserialize)]
 enum Given {
-    Mesh { positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]> },
-    Pencil { entries: Vec<(usize, usize, f64)>, mass: Vec<f64> },
+    Mesh { positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>, laplacian: Laplacian },
+    Pencil { entries: Vec<Entry>, mass: Vec<f64> },
+    Consistent { rows: usize, stiffness: Vec<Entry>, mass: Vec<Entry> },
 }
+
+/// Row, column and value.
+type Entry = (usize, usize, f64);
 
 #[derive(Serialize, Deserialize)]
 struct Solved {
@@ -143,35 +147,53 @@ fn compare(path: &Path) {
 impl Record {
     fn case(&self) -> Case {
         let problem = match &self.problem {
-            Given::Mesh { positions, triangles } => Problem::Mesh(TriMesh {
-                positions: positions.clone(),
-                triangles: triangles.clone(),
-                ..TriMesh::default()
-            }),
+            Given::Mesh { positions, triangles, laplacian } => {
+                let (positions, triangles) = (positions.clone(), triangles.clone());
+                Problem::Mesh(TriMesh { positions, triangles, ..TriMesh::default() }, *laplacian)
+            }
             Given::Pencil { entries, mass } => Problem::Pencil {
-                stiffness: SymmetricSparse::from_entries(mass.len(), entries.iter().copied()).unwrap(),
+                stiffness: sparse(mass.len(), entries),
                 mass: mass.clone(),
-                known: None,
+                known: Vec::new(),
+            },
+            Given::Consistent { rows, stiffness, mass } => Problem::Consistent {
+                stiffness: sparse(*rows, stiffness),
+                mass: sparse(*rows, mass),
+                known: Vec::new(),
             },
         };
         let (harmonics, whole_clusters) = (self.harmonics, self.whole_clusters);
-        Case { family: "recorded", problem, harmonics, whole_clusters }
+        Case { seed: 0, family: "recorded", problem, harmonics, whole_clusters }
     }
 }
 
 impl Given {
     fn of(problem: &Problem) -> Self {
         match problem {
-            Problem::Mesh(mesh) => {
-                Self::Mesh { positions: mesh.positions.clone(), triangles: mesh.triangles.clone() }
-            }
+            Problem::Mesh(mesh, laplacian) => Self::Mesh {
+                positions: mesh.positions.clone(),
+                triangles: mesh.triangles.clone(),
+                laplacian: *laplacian,
+            },
             Problem::Pencil { stiffness, mass, .. } => {
-                let lower = |j: usize| stiffness.column(j).filter(move |(i, _)| *i >= j);
-                let entries = (0..mass.len()).flat_map(|j| lower(j).map(move |(i, value)| (i, j, value)));
-                Self::Pencil { entries: entries.collect(), mass: mass.clone() }
+                Self::Pencil { entries: entries(mass.len(), stiffness), mass: mass.clone() }
+            }
+            Problem::Consistent { stiffness, mass, .. } => {
+                let rows = stiffness.size();
+                Self::Consistent { rows, stiffness: entries(rows, stiffness), mass: entries(rows, mass) }
             }
         }
     }
+}
+
+fn sparse(rows: usize, entries: &[Entry]) -> SymmetricSparse {
+    SymmetricSparse::from_entries(rows, entries.iter().copied()).unwrap()
+}
+
+/// The lower triangle.
+fn entries(rows: usize, matrix: &SymmetricSparse) -> Vec<Entry> {
+    let lower = |j: usize| matrix.column(j).filter(move |(i, _)| *i >= j);
+    (0..rows).flat_map(|j| lower(j).map(move |(i, value)| (i, j, value))).collect()
 }
 
 impl Solved {

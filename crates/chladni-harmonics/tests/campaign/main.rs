@@ -8,6 +8,7 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 mod cases;
+mod inertia;
 mod instructions;
 mod judge;
 mod meshes;
@@ -20,7 +21,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 
-use cases::Case;
+use cases::{Case, FAMILIES};
 use chladni_testdata::setting;
 use judge::Verdict;
 
@@ -36,22 +37,36 @@ struct Tally {
     residual: f64,
 }
 
-/// Cases that failed once: runs of a slice that found no pair at all, a small eigenvalue that was taken for 0, and a group of
-/// equal eigenvalues that was said to be cut though it ended at K.
-const FOUND: [u64; 5] = [10_000_141, 10_000_900, 10_002_341, 10_025_662, 30_060_950];
+/// How many of a hundred cases of a family are certified at least: rounding leaves too few digits to some meshes.
+fn least_certified(family: &str) -> usize {
+    match family {
+        "slivers" => 15,
+        "graded meshes" => 33,
+        "plain cotangents" => 40,
+        "tiny and huge meshes" => 60,
+        "graded spectra" | "consistent masses" => 70,
+        _ => 85,
+    }
+}
+
+/// Cases that failed once, by family and seed: runs of a slice that found no pair at all, a small eigenvalue that was taken for 0,
+/// and a group of equal eigenvalues that was said to be cut though it ended at K.
+const FOUND: [(u64, u64); 5] =
+    [(1, 10_000_141), (0, 10_000_900), (1, 10_002_341), (2, 10_025_662), (0, 30_060_950)];
 
 #[test]
 fn no_certificate_is_wrong_and_no_pair_is_missed() {
     let (cases, first) = (setting("CHLADNI_CASES", 400), setting("CHLADNI_SEED", 1));
-    let queue = Mutex::new((first..first + cases).chain(FOUND));
+    let seeds = first..first + cases;
+    let queue = Mutex::new(seeds.map(|seed| (seed % FAMILIES, seed)).chain(FOUND));
     let judged = Mutex::new(Vec::new());
     // Separate threads: one of rayon's would begin another case while it waits for the pool of the solver.
     std::thread::scope(|scope| {
         for _ in 0..rayon::current_num_threads() {
             scope.spawn(|| {
                 loop {
-                    let Some(seed) = queue.lock().unwrap().next() else { break };
-                    let case = Case::of(seed);
+                    let Some((family, seed)) = queue.lock().unwrap().next() else { break };
+                    let case = Case::in_family(family, seed);
                     let verdict = catch_unwind(AssertUnwindSafe(|| judge::judge(&case)))
                         .unwrap_or_else(|_| Verdict::Wrong("it panics".into()));
                     if let Verdict::Refused { why, rightly: false } | Verdict::Wrong(why) = &verdict {
@@ -86,6 +101,11 @@ fn no_certificate_is_wrong_and_no_pair_is_missed() {
             "{family}: {certified} certified (residual {residual:.1e}), {warned} warned, {refused} refused"
         );
     }
+    for (family, Tally { certified, warned, refused, .. }) in &families {
+        let (all, least) = (certified + warned + refused, least_certified(family));
+        // The share of a few cases says little.
+        assert!(all < 25 || certified * 100 >= least * all, "{certified} of {all} {family} are certified");
+    }
     assert!(wrong.is_empty(), "{} of {cases} are wrong:\n{}", wrong.len(), wrong.join("\n"));
     let refused: usize = families.values().map(|tally| tally.refused_wrongly).sum();
     assert!(refused * 100 <= cases as usize, "{refused} of {cases} were refused");
@@ -95,9 +115,9 @@ fn no_certificate_is_wrong_and_no_pair_is_missed() {
 fn threads_change_no_bit() {
     for seed in 0..setting("CHLADNI_CASES", 400) / 8 {
         let case = Case::of(1_000_000 + seed);
-        let one = case.solve(1).map(|found| found.basis);
+        let one = case.solve(1).map(|found| found.bits());
         for threads in [2, 4] {
-            let same = case.solve(threads).map(|found| found.basis) == one;
+            let same = case.solve(threads).map(|found| found.bits()) == one;
             assert!(same, "{threads} threads change case {seed}, {}", case.title());
         }
     }

@@ -1,30 +1,23 @@
 //! Meshes that are hard for an eigensolver.
 
 use chladni_mesh::{TriMesh, samples};
-use rand::RngExt;
 use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::pencils::size;
 use crate::shapes;
 
+/// The largest ratio of widths in a graded mesh is ten to this.
+const MOST_DECADES: f64 = 8.0;
+
 /// A curved sheet whose column and row widths span up to eight orders of magnitude.
 pub fn graded(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
-    let columns = (size(rng, 9, most) as f64).sqrt().ceil() as usize;
-    let decades = rng.random_range(0.0..8.0);
+    let columns = ((size(rng, 9, most) as f64).sqrt().ceil() as usize).max(3);
+    let decades = if rng.random_bool(0.25) { MOST_DECADES } else { rng.random_range(0.0..MOST_DECADES) };
     let across = if rng.random_bool(0.5) { decades } else { 0.0 };
-    let place = |decades: f64| {
-        let widths: Vec<f64> =
-            (0..columns - 1).map(|i| 10_f64.powf(-decades * i as f64 / columns as f64)).collect();
-        let mut at = 0.0;
-        let mut places = vec![0.0];
-        places.extend(widths.iter().map(|width| {
-            at += width;
-            at
-        }));
-        places
-    };
-    let (xs, ys, bend) = (place(decades), place(across), rng.random_range(0.0..0.5));
+    let (xs, ys) = (places(columns, decades), places(columns, across));
+    let bend = rng.random_range(0.0..0.5);
     let sheet = shapes::square(columns as u32 - 1);
     let positions = (0..columns * columns)
         .map(|v| {
@@ -33,6 +26,16 @@ pub fn graded(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
         })
         .collect();
     TriMesh { positions, ..sheet }
+}
+
+/// The places of at least three columns, whose widths fall by `decades` orders of magnitude from the first to the last.
+fn places(columns: usize, decades: f64) -> Vec<f64> {
+    let width = |i: usize| 10_f64.powf(-decades * i as f64 / (columns - 2) as f64);
+    let add = |at: &mut f64, i: usize| {
+        *at += width(i);
+        Some(*at)
+    };
+    std::iter::once(0.0).chain((0..columns - 1).scan(0.0, add)).collect()
 }
 
 /// A sound mesh with some vertices moved almost onto a neighbor or a line.
@@ -55,7 +58,9 @@ pub fn slivers(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
 
 /// Components of many sizes, some of them equal.
 pub fn disconnected(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
-    let kinds: Vec<TriMesh> = (0..rng.random_range(1..4)).map(|_| sound(rng, most.min(100))).collect();
+    // Where slices are to meet them, each is large enough for some.
+    let largest = if most > 300 { most / 2 } else { most.min(100) };
+    let kinds: Vec<TriMesh> = (0..rng.random_range(1..4)).map(|_| sound(rng, largest)).collect();
     let mut parts: Vec<TriMesh> = Vec::new();
     let mut left = most;
     while parts.len() < 2 || rng.random_bool(0.8) {
@@ -98,11 +103,21 @@ pub fn far_scaled(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
     shapes::scaled(&mesh, if rng.random_bool(0.5) { 1e12 } else { 1e-12 })
 }
 
+/// Meshes that the papers' Laplacian has weights for: at most two triangles at an edge, and none without area.
+pub fn plain(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
+    match rng.random_range(0..4) {
+        0 => graded(rng, most),
+        1 => disconnected(rng, most),
+        2 => slivers(rng, most),
+        _ => sound(rng, most),
+    }
+}
+
 fn sound(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
     let n = size(rng, 9, most);
     let side = (n as f64).sqrt().ceil() as u32;
     match rng.random_range(0..5) {
-        0 => shapes::icosphere(u32::from(n > 42) + u32::from(n > 162)),
+        0 => shapes::icosphere([42, 162, 300].iter().filter(|most| n > **most).count() as u32),
         1 => samples::torus(0.4, side + 2, side),
         2 => shapes::square(side.max(2)),
         3 => samples::uv_sphere(side, side),
@@ -114,4 +129,23 @@ fn sound(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
             mesh
         }
     }
+}
+
+#[test]
+fn the_widths_of_graded_meshes_reach_eight_orders_of_magnitude() {
+    let ratio = |places: &[f64]| {
+        let n = places.len();
+        (places[1] - places[0]) / (places[n - 1] - places[n - 2])
+    };
+    for columns in 3..31 {
+        let reached = ratio(&places(columns, MOST_DECADES));
+        assert!((reached / 1e8 - 1.0).abs() < 1e-6, "{columns} columns: {reached:e}");
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let widths = |mesh: TriMesh| {
+        let row = mesh.positions.iter().take_while(|p| p[1] == 0.0).map(|p| p[0]);
+        ratio(&row.collect::<Vec<_>>())
+    };
+    let reached = (0..80).filter(|_| widths(graded(&mut rng, 150)) > 0.99e8).count();
+    assert!(reached >= 10, "{reached} of 80");
 }

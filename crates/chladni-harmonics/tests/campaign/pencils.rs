@@ -9,6 +9,9 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::cases::Problem;
 
+/// The largest value of L beside its diagonal in [`consistent`]: xᵀM⁻¹x is then at most 4 xᵀD⁻¹x, where D is the diagonal of M.
+const BESIDE: f64 = 0.4;
+
 /// A random size: small sizes are as likely as sizes ten times as large.
 pub fn size(rng: &mut ChaCha8Rng, least: usize, most: usize) -> usize {
     let least = if most > 300 { 310 } else { least };
@@ -87,15 +90,17 @@ fn rotated(rng: &mut ChaCha8Rng, mut spectrum: Vec<f64>) -> Problem {
     spectrum.iter_mut().for_each(|value| *value *= scale);
     spectrum.sort_by(f64::total_cmp);
     let stiffness = SymmetricSparse::from_entries(n, entries).unwrap();
-    Problem::Pencil { stiffness, mass, known: Some(spectrum) }
+    Problem::Pencil { stiffness, mass, known: spectrum }
 }
 
 /// Equal components, which share every eigenvalue, with their rows in random order.
 pub fn duplicated(rng: &mut ChaCha8Rng, most: usize) -> Problem {
+    // Where slices are to meet them, each is large enough for some.
+    let largest = if most > 300 { most / 2 } else { most.min(60) };
     let part = match rng.random_range(0..3) {
-        0 => multiple(rng, most.min(60)),
-        1 => graded(rng, most.min(60)),
-        _ => graph(rng, most.min(60)),
+        0 => multiple(rng, largest),
+        1 => graded(rng, largest),
+        _ => graph(rng, largest),
     };
     let Problem::Pencil { stiffness, mass, known } = part else { return part };
     let n = mass.len();
@@ -111,9 +116,45 @@ pub fn duplicated(rng: &mut ChaCha8Rng, most: usize) -> Problem {
             entries.extend(lower.map(|(i, value)| (place[copy * n + i], place[copy * n + j], value)));
         }
     }
-    let repeat = |known: Vec<f64>| known.into_iter().flat_map(|value| vec![value; copies]).collect();
     let stiffness = SymmetricSparse::from_entries(n * copies, entries).unwrap();
-    Problem::Pencil { stiffness, mass: all_mass, known: known.map(repeat) }
+    let known = known.into_iter().flat_map(|value| vec![value; copies]).collect();
+    Problem::Pencil { stiffness, mass: all_mass, known }
+}
+
+/// A pencil whose M is not diagonal: B S Bᵀ and B M Bᵀ of another, where B is D^½ L D^-½ with the diagonal D of M, and L is 1
+/// on its diagonal and at most [`BESIDE`] below; its spectrum stays.
+pub fn consistent(rng: &mut ChaCha8Rng, most: usize) -> Problem {
+    let other = match rng.random_range(0..4) {
+        0 => multiple(rng, most),
+        1 => clustered(rng, most),
+        2 => graded(rng, most),
+        _ => graph(rng, most),
+    };
+    let Problem::Pencil { stiffness, mass, known } = other else { return other };
+    let n = mass.len();
+    // Some are 0, so that parts may stay apart.
+    let beside = |v: usize, rng: &mut ChaCha8Rng| match v {
+        _ if v == 0 || v == n || rng.random_bool(0.3) => 0.0,
+        _ => rng.random_range(-BESIDE..BESIDE) * (mass[v] / mass[v - 1]).sqrt(),
+    };
+    let beside: &Vec<f64> = &(0..=n).map(|v| beside(v, rng)).collect();
+    let congruent = |matrix: &SymmetricSparse| {
+        let entries = (0..n).flat_map(|j| {
+            let spread = move |(i, value): (usize, f64)| {
+                let (down, right) = (beside[i + 1], beside[j + 1]);
+                [
+                    (i, j, value),
+                    (i + 1, j, down * value),
+                    (i, j + 1, right * value),
+                    (i + 1, j + 1, down * right * value),
+                ]
+            };
+            matrix.column(j).flat_map(spread).filter(|(i, j, value)| j <= i && *i < n && *value != 0.0)
+        });
+        SymmetricSparse::from_entries(n, entries.collect::<Vec<_>>()).unwrap()
+    };
+    let mass = SymmetricSparse::from_entries(n, mass.iter().enumerate().map(|(v, m)| (v, v, *m))).unwrap();
+    Problem::Consistent { stiffness: congruent(&stiffness), mass: congruent(&mass), known }
 }
 
 /// Graphs whose spectra are known: complete, star, ring, hypercube, torus of a grid.
@@ -158,5 +199,5 @@ pub fn graph(rng: &mut ChaCha8Rng, most: usize) -> Problem {
     let n = known.len();
     let entries = edges.into_iter().flat_map(|(i, j)| [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0)]);
     let stiffness = SymmetricSparse::from_entries(n, entries).unwrap();
-    Problem::Pencil { stiffness, mass: vec![1.0; n], known: Some(known) }
+    Problem::Pencil { stiffness, mass: vec![1.0; n], known }
 }

@@ -124,6 +124,7 @@ impl New {
             Operator::with(&mesh, project.laplacian).map_err(|error| Error::from(error).of(&name))?;
         }
         save_new(&project, &self.output)?;
+        terminal.warn_each(source::far(&self.output, &project));
         terminal.wrote(&self.output)
     }
 }
@@ -131,7 +132,8 @@ impl New {
 impl AddLayer {
     fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.layer.check_for(Some(&self.template), false)?;
-        let mut project = source::project(&self.project, terminal)?;
+        let mut project = source::project_alone(&self.project, terminal)?;
+        project.check_near(&self.project, |file| terminal.knows(&self.project, file))?;
         let before = project.clone();
         self.layer.check_clamp(project.laplacian == Laplacian::Cotangent)?;
         template_mesh(&self.template, terminal)?;
@@ -159,6 +161,7 @@ impl AddLayer {
         let layer = self.layer.layer(&name, self.template, painted, &project, &subject, terminal)?;
         project.push(layer)?;
         save_over(&before, &project, &self.project)?;
+        terminal.warn_each(source::far(&self.project, &project));
         let layers = counted(project.layers().len(), "layer", "layers");
         terminal.result(format_args!("{} has {layers}", self.project.display()))
     }
@@ -166,7 +169,6 @@ impl AddLayer {
 
 /// Saves a project where nothing is yet, nor has come there while its shape was read.
 fn save_new(project: &Project, path: &Path) -> Result<(), Error> {
-    project.check_near(path)?;
     let text = project.to_text(path, None).map_err(Error::unsaved)?;
     chladni_task::write_new(path, text.as_bytes()).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => exists_already(path),
@@ -189,7 +191,7 @@ fn save_over(read: &Project, project: &Project, path: &Path) -> Result<(), Error
 
 /// Checks that the file at `path` still holds the project that was `read`: a window may have saved its work meanwhile.
 fn check_unchanged(path: &Path, read: &Project) -> Result<(), Error> {
-    if Project::load(path)? == *read {
+    if Project::read(path)? == *read {
         return Ok(());
     }
     Err(Error::input(format_args!("{}: has changed meanwhile; run this again", path.display())))
@@ -275,7 +277,7 @@ impl ShownLayer {
 
 impl Show {
     fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        let project = source::project(&self.project, terminal)?;
+        let project = source::project_alone(&self.project, terminal)?;
         let shown = Shown {
             format_version: project.format_version(),
             shape: project.shape.to_string(),

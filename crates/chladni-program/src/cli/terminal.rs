@@ -7,10 +7,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use chladni_task::Task;
+use chladni_task::{Task, asks_another_machine};
 use chladni_view::{Device, Draw};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::work::source::lies_below;
 use crate::work::{Error, Warning, Watcher};
 
 /// Work shorter than this shows no progress bar.
@@ -87,7 +88,7 @@ impl Terminal {
 
     /// Reports a file that was written.
     pub fn wrote(&self, path: &Path) -> Result<(), Error> {
-        self.result(format_args!("wrote {}", path.display()))
+        self.result(format_args!("wrote {}", plain(path.display(), &[])))
     }
 
     /// A line for the person at the terminal, on standard error.
@@ -111,9 +112,10 @@ impl Watcher for Terminal {
         self.note(format_args!("warning: {}", plain(advised(&warning, self.takes_stance), &[])));
     }
 
-    /// Files below the current folder are where the user works.
+    /// Files below the current folder are where the user works. Of another machine than that folder's, none is looked for.
     fn knows(&self, _document: &Path, file: &Path) -> bool {
-        std::env::current_dir().is_ok_and(|folder| file.starts_with(folder))
+        std::env::current_dir()
+            .is_ok_and(|folder| !asks_another_machine(file, &folder) && lies_below(file, &folder))
     }
 
     /// Draws the progress once the part has taken over a second, if the system gives a thread for it.

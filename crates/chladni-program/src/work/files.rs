@@ -33,7 +33,7 @@ pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
     if ShapeSource::sample_name(path).is_some() {
         return FileRef { path: path.to_string_lossy().into_owned(), blake3: None };
     }
-    FileRef { path: place(path, folder), blake3: known_hash(path) }
+    FileRef { path: name_in(path, folder), blake3: known_hash(path) }
 }
 
 /// Whether a document in `folder` names a file of another machine, which it is not looked for on. A name without a folder is
@@ -50,7 +50,7 @@ pub fn is_lost(path: &Path, named: &FileRef) -> bool {
 
 /// `path` relative to `folder` if it lies below it, with slashes on every system, so that a show can move between them;
 /// else absolute.
-fn place(path: &Path, folder: Option<&Path>) -> String {
+pub fn name_in(path: &Path, folder: Option<&Path>) -> String {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = folder.and_then(|folder| std::path::absolute(folder).ok());
     match folder.and_then(|folder| whole.strip_prefix(folder).ok()) {
@@ -116,12 +116,9 @@ pub fn placed(named: &str, folder: Option<&Path>) -> PathBuf {
     folder.map_or_else(|| PathBuf::from(named), |folder| folder.join(named))
 }
 
-/// How a show in `folder` names the picture and the panorama of `looks`: as it does its [other files](refer()).
-pub fn refer_looks(looks: Looks, folder: Option<&Path>) -> Looks {
-    let named = |file: String| match &*file {
-        "" => file,
-        path => place(Path::new(path), folder),
-    };
+/// `looks` with the picture and the panorama as a show names them, each by `name`.
+pub fn refer_looks(looks: Looks, name: impl Fn(&Path) -> String) -> Looks {
+    let named = |file: String| if file.is_empty() { file } else { name(Path::new(&file)) };
     Looks { picture: named(looks.picture), panorama: named(looks.panorama), ..looks }
 }
 
@@ -270,7 +267,7 @@ mod tests {
             [old.path().join("around").join("wall.png"), old.path().join("sky.hdr")].map(text);
         std::fs::write(&sky, b"sky").unwrap();
         let chosen = Looks { picture, panorama: sky.clone(), ..Looks::default() };
-        let saved = refer_looks(chosen.clone(), Some(old.path()));
+        let saved = refer_looks(chosen.clone(), |file| name_in(file, Some(old.path())));
         assert_eq!(saved.picture, "around/wall.png");
         assert_eq!(saved.panorama, "sky.hdr");
         let (found, warnings) = resolve_looks(saved.clone(), Some(old.path()));

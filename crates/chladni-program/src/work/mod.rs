@@ -87,8 +87,8 @@ pub use ear::{BeatCount, Ear};
 pub use error::{Error, Warning};
 pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
 pub use files::{
-    changed_since, file_hash, find, is_far, is_hidden, is_lost, known_hash, placed, refer, refer_looks,
-    resolve, resolve_looks, shown_name, unread,
+    changed_since, file_hash, find, is_far, is_hidden, is_lost, known_hash, name_in, placed, refer,
+    refer_looks, resolve, resolve_looks, shown_name, unread,
 };
 pub use frame_guard::FrameGuard;
 pub use furthest::{MAY_FOLD, furthest_mu};

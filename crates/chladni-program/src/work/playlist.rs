@@ -49,16 +49,7 @@ pub fn songs_of(path: &Path) -> Result<Songs, Error> {
         let (there, gone): (Vec<_>, Vec<_>) =
             entries(&text(&bytes), folder).into_iter().partition(|entry| is_there(entry, folder));
         found.songs = there;
-        found.warning = gone.first().map(|first| match (gone.len(), first.display()) {
-            (1, shown) if is_far(first, Some(folder)) => {
-                format!(
-                    "{}: {shown} is on another machine than the list, and not looked for there",
-                    path.display()
-                )
-            }
-            (1, first) => format!("{}: {first} is not there", path.display()),
-            (count, first) => format!("{}: {count} songs are not there, such as {first}", path.display()),
-        });
+        found.warning = left_out(path, &gone, folder);
     }
     if found.songs.len() > MOST_SONGS {
         found.songs.truncate(MOST_SONGS);
@@ -70,6 +61,19 @@ pub fn songs_of(path: &Path) -> Result<Songs, Error> {
         return Err(Error::Input(why));
     }
     Ok(found)
+}
+
+/// A warning of the songs `gone` that the list at `path` names, as seen from its `folder`; none where all are there.
+fn left_out(path: &Path, gone: &[PathBuf], folder: &Path) -> Option<String> {
+    let first = gone.first()?;
+    let (path, shown) = (path.display(), first.display());
+    let far = "on another machine than the list, and not looked for there";
+    Some(match (gone.len(), is_far(first, Some(folder))) {
+        (1, true) => format!("{path}: {shown} is {far}"),
+        (1, false) => format!("{path}: {shown} is not there"),
+        (count, true) => format!("{path}: {count} songs are left out, such as {shown}, which is {far}"),
+        (count, false) => format!("{path}: {count} songs are not there, such as {shown}"),
+    })
 }
 
 /// The songs that are found in a folder and those within it.
@@ -211,6 +215,21 @@ mod tests {
         std::fs::write(&list, "gone.mp3\n".to_owned() + &"a.mp3\n".repeat(MOST_SONGS + 1)).unwrap();
         let both = "gone.mp3 is not there; only the first 5000 songs are taken";
         assert!(warned().ends_with(both), "{}", warned());
+    }
+
+    #[test]
+    fn songs_of_another_machine_are_not_called_missing() {
+        let gone = [PathBuf::from(r"\\server\share\a.mp3"), PathBuf::from("b.mp3")];
+        let said = |gone: &[PathBuf]| left_out(Path::new("set.m3u"), gone, Path::new("")).unwrap();
+        for far in [&gone[..1], &gone[..]] {
+            assert!(
+                said(far).contains("another machine") && !said(far).contains("not there"),
+                "{}",
+                said(far)
+            );
+        }
+        assert!(said(&gone).contains("2 songs"), "{}", said(&gone));
+        assert!(said(&gone[1..]).ends_with("b.mp3 is not there"), "{}", said(&gone[1..]));
     }
 
     #[test]

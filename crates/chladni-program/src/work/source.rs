@@ -112,34 +112,64 @@ pub fn check_there(source: &ShapeSource, watcher: &impl Watcher) -> Result<(), E
     shape(source, watcher).map(drop)
 }
 
-/// The project at `path`; warns where it was made by an older program, or reads files [outside its folder](outside).
+/// The project at `path`, of which something is made: warns where it was made by an older program, or reads files
+/// [outside its folder](outside).
+///
+/// # Errors
+/// As of [`project_alone`], and [`Error::Caricature`] for a file of another machine that the user does not know.
+pub fn project(path: &Path, watcher: &impl Watcher) -> Result<Project, Error> {
+    let project = project_alone(path, watcher)?;
+    let known = |file: &Path| watcher.knows(path, file);
+    project.check_near(path, known)?;
+    watcher.warn_each(outside(path, &project, known));
+    Ok(project)
+}
+
+/// The project at `path`, without a look at the files that it names; warns where it was made by an older program.
 ///
 /// # Errors
 /// [`Error::Caricature`] with the file's name, and [`Error::Input`] for a mesh.
-pub fn project(path: &Path, watcher: &impl Watcher) -> Result<Project, Error> {
+pub fn project_alone(path: &Path, watcher: &impl Watcher) -> Result<Project, Error> {
     if Format::of_path(path).is_some() && path.is_file() {
         let path = path.display();
         return Err(Error::Input(format!(
             "{path}: is a mesh: chladni project new {path} -o NAME.chladni makes a project of it"
         )));
     }
-    let project = aged(path, Project::load(path)?, watcher);
-    watcher.warn_each(outside(path, &project, |file| watcher.knows(path, file)));
-    Ok(project)
+    Ok(aged(path, Project::read(path)?, watcher))
+}
+
+/// A warning where the project that was saved at `path` names a file of another machine.
+pub fn far(path: &Path, project: &Project) -> Option<Warning> {
+    let file = *project.far_files(path).first()?;
+    Some(Warning::of(
+        path.display(),
+        format_args!(
+            "names {}, which is on another machine: where neither was opened of late, the project must be opened together \
+             with that mesh",
+            file.display()
+        ),
+    ))
 }
 
 /// A warning where the project at `path` reads a file outside its own folder that is not `known`: what is made of the project
 /// holds what is in that file, and may be sent on.
 pub fn outside(path: &Path, project: &Project, known: impl Fn(&Path) -> bool) -> Option<Warning> {
     // Beside the project as it is spelled, or beside the file that a link leads to.
-    let folders = [path, &where_it_leads(path)].map(|path| folder_of(path).canonicalize());
-    let is_inside = |file: &Path| folders.iter().flatten().any(|folder| file.starts_with(folder));
-    let is_outside = |file: &Path| file.canonicalize().is_ok_and(|file| !is_inside(&file));
-    let file = project.files().into_iter().find(|file| is_outside(file) && !known(file))?;
+    let leads_to = where_it_leads(path);
+    let folders = [path, &leads_to].map(folder_of);
+    let is_outside = |file: &Path| file.exists() && !folders.iter().any(|folder| lies_below(file, folder));
+    let file = project.files().into_iter().find(|file| !known(file) && is_outside(file))?;
     Some(Warning::of(
         path.display(),
         format_args!("reads {}, which lies outside its own folder", file.display()),
     ))
+}
+
+/// Whether `file` lies in `folder` or below it, wherever links lead on the way to either.
+pub fn lies_below(file: &Path, folder: &Path) -> bool {
+    let (file, folder) = (file.canonicalize(), folder.canonicalize());
+    file.is_ok_and(|file| folder.is_ok_and(|folder| file.starts_with(folder)))
 }
 
 /// The project in the `text` of a file called `name`; warns where it was made by an older program.
@@ -367,6 +397,41 @@ mod tests {
             std::os::unix::fs::symlink("../secret.obj", at("work/link.obj")).unwrap();
             assert_eq!(warned("link.obj", &[]).len(), 1);
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_lies_where_links_lead() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir_all(at("work/below")).unwrap();
+        for name in ["secret.obj", "work/below/a.obj"] {
+            std::fs::write(at(name), "").unwrap();
+        }
+        for (target, link) in [("../secret.obj", "work/link.obj"), ("..", "work/up"), ("work", "spelled")] {
+            symlink(target, at(link)).unwrap();
+        }
+        for file in ["work/below/a.obj", "spelled/below/a.obj", "work/up/work/below/a.obj"] {
+            assert!(lies_below(&at(file), &at("work")) && lies_below(&at(file), &at("spelled")), "{file}");
+        }
+        for file in ["secret.obj", "work/link.obj", "work/up/secret.obj", "work/below/gone.obj"] {
+            assert!(!lies_below(&at(file), &at("work")), "{file}");
+        }
+    }
+
+    #[test]
+    fn a_project_that_names_a_file_of_another_machine_is_saved_with_a_warning() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.chladni");
+        let named = |shape: &str| Project::new(ShapeSource::File(shape.into()), 8);
+        let shared = named(r"\\server\share\head.obj");
+        shared.save(&path).unwrap();
+        assert!(far(&path, &shared).unwrap().to_string().contains(r"\\server\share\head.obj"));
+        assert_eq!(far(&path, &named("head.obj")), None);
+        let why = shared.check_near(&path, |_| false).unwrap_err().to_string();
+        assert!(why.contains(r"\\server\share\head.obj") && why.contains("together"), "{why}");
+        shared.check_near(&path, |file| file == Path::new(r"\\server\share\head.obj")).unwrap();
     }
 
     #[test]

@@ -152,6 +152,35 @@ fn a_low_pass_that_keeps_more_harmonics_than_there_are_comes_into_no_project() {
 }
 
 #[test]
+fn of_files_outside_its_folder_a_project_warns_where_something_is_made_of_them() {
+    let (desk, elsewhere) = (Desk::new(), Desk::new());
+    let warnings = |line: &str| {
+        let output = desk.run(line);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{line}: {said}");
+        said.matches("outside its own folder").count()
+    };
+    let begun = format!("project new {} -o p.chladni -k 8", elsewhere.path("shape.obj").display());
+    for line in [&*begun, "project add-layer p.chladni --template sphere", "project show p.chladni"] {
+        assert_eq!(warnings(line), 0, "{line}");
+    }
+    assert_eq!(warnings("caricature --recipe p.chladni -o a.ply"), 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_result_whose_name_breaks_a_line_is_reported_in_one() {
+    let desk = Desk::new();
+    let output = Command::new(env!("CARGO_BIN_EXE_chladni"))
+        .args(["project", "new", "shape.obj", "-k", "8", "-o", "a\nwrote b.chladni"])
+        .current_dir(desk.path(""))
+        .env("CHLADNI_CACHE", desk.path("cache"))
+        .output()
+        .unwrap();
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), "wrote a\\u000awrote b.chladni\n");
+}
+
+#[test]
 fn a_project_is_not_started_over_another() {
     let desk = Desk::new();
     desk.ok("project new shape.obj -o p.chladni -k 16");

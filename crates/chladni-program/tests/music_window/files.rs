@@ -308,8 +308,12 @@ fn files_of_a_show_that_are_not_there_now_keep_their_names() {
     let file = |name: &str| FileRef { path: name.into(), blake3: None };
     let show = Show {
         body: Some(file("ball.obj")),
-        songs: vec![SongRef::of(file("songs/gone.wav"))],
-        looks: Some(Looks { picture: "gone.png".into(), ..Looks::default() }),
+        songs: ["songs/gone.wav", r"\\server\share\b.wav"].map(|song| SongRef::of(file(song))).into(),
+        looks: Some(Looks {
+            picture: "gone.png".into(),
+            panorama: r"\\server\share\sky.hdr".into(),
+            ..Looks::default()
+        }),
         ..Show::of(&Instrument::new(3, 6, shape).unwrap())
     };
     show.save(&path("evening.toml")).unwrap();
@@ -318,9 +322,10 @@ fn files_of_a_show_that_are_not_there_now_keep_their_names() {
     let mut window = open(Opening { folders, chooser, files, ..Opening::default() }, [1000.0, 640.0]);
     wait(&mut window, "the show", |w| shows(w, "6 items"));
     let again = saved_show(&mut window, &answers, &path("later.toml"));
-    assert_eq!(again.songs.first(), show.songs.first());
+    assert_eq!(again.songs.get(..2), Some(&show.songs[..]));
     let looks = again.looks.unwrap();
-    assert!(looks.picture == "gone.png" && looks.panorama.is_empty(), "{looks:?}");
+    assert!(looks.picture == "gone.png" && looks.panorama == r"\\server\share\sky.hdr", "{looks:?}");
+    wait(&mut window, "the warning", |w| shows(w, r"which will not find \\server\share\sky.hdr"));
 }
 
 #[test]

@@ -12,7 +12,8 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use chladni_sound::{
-    HeardTo, Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, Song, WavSample, write_wav,
+    HeardTo, MIN_RATE_HZ, Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, Song, WavSample,
+    write_wav,
 };
 use chladni_testdata::HANGS;
 
@@ -30,9 +31,9 @@ fn write_tone(folder: &Path, name: &str, rate_hz: u32, secs: f64) -> PathBuf {
     path
 }
 
-/// A song that does not end while a test is held up.
+/// A song that does not end while a test is held up, of the lowest rate that is read: its file is small.
 fn write_endless(folder: &Path) -> PathBuf {
-    write_tone(folder, "endless.wav", 8000, HANGS.as_secs_f64())
+    write_tone(folder, "endless.wav", MIN_RATE_HZ, HANGS.as_secs_f64())
 }
 
 fn wait(what: &str, mut done: impl FnMut() -> bool) {
@@ -373,7 +374,7 @@ fn the_list_changes_around_the_song_that_plays() {
     let folder = tempfile::tempdir().unwrap();
     let (a, b) = (write_tone(folder.path(), "a.wav", 44_100, 20.0), write_endless(folder.path()));
     let c_secs = HANGS.as_secs_f64() - 1.0;
-    let c = write_tone(folder.path(), "c.wav", 8000, c_secs);
+    let c = write_tone(folder.path(), "c.wav", MIN_RATE_HZ, c_secs);
     let player = silent();
     player.play_list(vec![a.clone(), b.clone()]);
     player.select(1);

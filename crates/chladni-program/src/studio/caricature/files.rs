@@ -101,7 +101,8 @@ impl CaricatureRoom {
     fn load(&mut self, path: &Path, mut templates: Vec<PathBuf>, shared: &mut Shared<'_>) {
         let candidate = if is_project(path) {
             let on_disk = file_hash(path);
-            match moved::open(path, &mut templates) {
+            let known = |file: &Path| shared.settings.knows(path, file);
+            match moved::open(path, &mut templates, known) {
                 Ok((project, found)) => {
                     for moved::Found { missing, mesh, .. } in found.iter().filter(|found| found.is_in_doubt) {
                         let (missing, mesh) = (missing.display(), mesh.display());
@@ -110,7 +111,6 @@ impl CaricatureRoom {
                              another."
                         ));
                     }
-                    let known = |file: &Path| shared.settings.knows(path, file);
                     if let Some(warning) = source::outside(path, &project, known) {
                         shared.notices.warn(warning);
                     }
@@ -233,10 +233,12 @@ impl CaricatureRoom {
             Some((path, done))
         });
         let Some((path, done)) = saved else { return false };
+        let far = source::far(&path, session.project());
         match done {
             Ok(()) => {
                 shared.settings.remember(&path);
                 shared.notices.done(format!("Saved {}", path.display()));
+                far.into_iter().for_each(|far| shared.notices.warn(far));
                 self.keep_picture(&path, shared);
                 true
             }
@@ -385,7 +387,6 @@ fn save_unchanged(session: &mut Session, path: &Path) -> Option<Result<(), Error
 
 /// Writes the project to `path`, whole or not at all.
 fn save_to(session: &mut Session, path: &Path) -> Result<(), Error> {
-    session.project().check_near(path)?;
     let text = session.project().to_text(path, None).map_err(Error::unsaved)?;
     let failed = |source| Error::unsaved(CaricatureError::Io { path: path.to_owned(), source });
     write_atomic(path, text.as_bytes()).map_err(failed)?;

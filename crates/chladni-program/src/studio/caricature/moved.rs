@@ -19,13 +19,33 @@ pub struct Found {
 }
 
 /// Reads the project at `path`. Where a mesh that it names is not there, it names one of the same file name among
-/// `meshes` instead, which is taken out of them and returned.
+/// `meshes` instead, which is taken out of them and returned; so, too, where that is on another machine, which is asked only
+/// for what is `known` to the user.
 ///
 /// # Errors
-/// A file that is no project, or one whose shape is neither there nor among `meshes`.
-pub fn open(path: &Path, meshes: &mut Vec<PathBuf>) -> Result<(Project, Vec<Found>), Error> {
-    let mut project = Project::load(path)?;
-    let found = found(&project, meshes);
+/// A file that is no project, or one whose shape is neither there nor among `meshes`, or that names an unknown file of
+/// another machine.
+pub fn open(
+    path: &Path,
+    meshes: &mut Vec<PathBuf>,
+    known: impl Fn(&Path) -> bool,
+) -> Result<(Project, Vec<Found>), Error> {
+    let mut project = Project::read(path)?;
+    let found = replace(&mut project, path, meshes, known)?;
+    meshes.retain(|mesh| found.iter().all(|found| found.mesh != *mesh));
+    Ok((project, found))
+}
+
+/// Replaces what the `project` at `path` misses.
+fn replace(
+    project: &mut Project,
+    path: &Path,
+    meshes: &[PathBuf],
+    known: impl Fn(&Path) -> bool,
+) -> Result<Vec<Found>, Error> {
+    let mut far = project.far_files(path);
+    far.retain(|file| !known(file));
+    let found = found(project, &far, meshes);
     let in_place_of = |named: Option<&Path>| {
         let of_it = found.iter().find(|found| named == Some(found.missing.as_path()))?;
         Some(of_it.mesh.clone())
@@ -40,20 +60,21 @@ pub fn open(path: &Path, meshes: &mut Vec<PathBuf>) -> Result<(Project, Vec<Foun
     for (layer, template) in templates {
         project.apply(&Action::Set { layer, to: Property::Template(template) }, None)?;
     }
+    // What was opened by hand may be anywhere.
+    project.check_near(path, |file| known(file) || found.iter().any(|found| found.mesh == file))?;
     if let Some(shape) = project.shape.file().filter(|shape| !shape.exists()) {
         let why = "is not there; open the project together with its mesh";
         return Err(Error::Input(format!("{}: its shape {} {why}", path.display(), shape.display())));
     }
-    meshes.retain(|mesh| found.iter().all(|found| found.mesh != *mesh));
-    Ok((project, found))
+    Ok(found)
 }
 
-/// For the files of `project` that are not there those of `meshes` that share the most of their paths, counted from the
-/// file name. No mesh is found twice: two heads of the same name are two heads.
-fn found(project: &Project, meshes: &[PathBuf]) -> Vec<Found> {
+/// For the files of `project` that are not there, or are `far`, those of `meshes` that share the most of their paths,
+/// counted from the file name. No mesh is found twice: two heads of the same name are two heads.
+fn found(project: &Project, far: &[&Path], meshes: &[PathBuf]) -> Vec<Found> {
     let mut missing: Vec<&Path> = Vec::new();
     for file in project.files() {
-        if !missing.contains(&file) && !file.exists() {
+        if !missing.contains(&file) && (far.contains(&file) || !file.exists()) {
             missing.push(file);
         }
     }
@@ -102,14 +123,31 @@ mod tests {
             project.push(Layer::new(name, Template::File(at(name)))).unwrap();
         }
         project.save(&at("p.chladni")).unwrap();
-        let why = open(&at("p.chladni"), &mut vec![at("more.ply")]).unwrap_err().to_string();
+        let why = open(&at("p.chladni"), &mut vec![at("more.ply")], |_| false).unwrap_err().to_string();
         assert!(why.contains("head.ply is not there; open the project together"), "{why}");
 
         let mut meshes = names.map(at).to_vec();
-        let (found, moved) = open(&at("p.chladni"), &mut meshes).unwrap();
+        let (found, moved) = open(&at("p.chladni"), &mut meshes, |_| false).unwrap();
         assert_eq!(moved.len(), 2);
         assert_eq!(found.files(), [at("elsewhere/head.ply"), at("elsewhere/mean.ply"), at("kept.ply")]);
         assert_eq!(meshes, [at("elsewhere/kept.ply"), at("more.ply")]);
+    }
+
+    #[test]
+    fn a_mesh_of_another_machine_is_named_instead_where_it_is_opened_too() {
+        let (folder, named) = (tempfile::tempdir().unwrap(), r"\\.\nowhere\head.ply");
+        let at = |name: &str| folder.path().join(name);
+        chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(1), &at("head.ply")).unwrap();
+        let mut project = Project::new(ShapeSource::File(named.into()), 10);
+        let path = at("p.chladni");
+        let why = replace(&mut project, &path, &[], |_| false).unwrap_err().to_string();
+        assert!(why.contains(named) && why.contains("together with that mesh"), "{why}");
+        // It was opened itself, on the share.
+        let mut same = project.clone();
+        let why = replace(&mut same, &path, &[PathBuf::from(named)], |_| false).unwrap_err().to_string();
+        assert!(why.contains("is not there"), "{why}");
+        replace(&mut project, &path, &[at("head.ply")], |_| false).unwrap();
+        assert_eq!(project.files(), [at("head.ply")]);
     }
 
     #[test]
@@ -131,13 +169,13 @@ mod tests {
         }
         project.save(&at("p.chladni")).unwrap();
         let mut meshes = vec![at("new/anna/head.ply"), at("new/ben/head.ply")];
-        let (there, moved) = open(&at("p.chladni"), &mut meshes).unwrap();
+        let (there, moved) = open(&at("p.chladni"), &mut meshes, |_| false).unwrap();
         let [anna, ben] = [at("new/anna/head.ply"), at("new/ben/head.ply")];
         assert_eq!(there.files(), [&ben, &anna, &ben]);
         assert!(meshes.is_empty() && moved.iter().all(|found| !found.is_in_doubt));
 
         let mut meshes = vec![at("a/head.ply"), at("new/anna/head.ply"), at("b/head.ply")];
-        let (there, moved) = open(&at("p.chladni"), &mut meshes).unwrap();
+        let (there, moved) = open(&at("p.chladni"), &mut meshes, |_| false).unwrap();
         assert_eq!(there.files(), [&at("a/head.ply"), &anna, &at("a/head.ply")]);
         let doubts: Vec<_> =
             moved.iter().filter(|found| found.is_in_doubt).map(|found| &found.mesh).collect();
@@ -145,7 +183,7 @@ mod tests {
 
         // Each of these may be either.
         let mut meshes = vec![at("a/head.ply"), at("b/head.ply")];
-        let (_, moved) = open(&at("p.chladni"), &mut meshes).unwrap();
+        let (_, moved) = open(&at("p.chladni"), &mut meshes, |_| false).unwrap();
         assert!(moved.len() == 2 && moved.iter().all(|found| found.is_in_doubt));
     }
 }

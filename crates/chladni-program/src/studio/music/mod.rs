@@ -43,9 +43,10 @@ mod view;
 mod voices;
 mod wish;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use chladni_music::{Action, Show};
+use chladni_music::{Action, FileRef, Show};
 use chladni_sound::Capture;
 
 use self::calibrating::Calibrating;
@@ -116,6 +117,8 @@ pub struct MusicRoom {
     /// The action that begins another gallery, while it waits for the same answer.
     renewing: Option<Action>,
     coming: Option<Coming>,
+    /// The files of other machines that the show names, by their places beside it: only there are they looked for.
+    far: BTreeMap<PathBuf, FileRef>,
     /// The ears or the first shape could not be had: it is not tried again by itself.
     refused: bool,
     /// The preset of the shelf that a controller took last.
@@ -201,6 +204,10 @@ impl MusicRoom {
             self.loading = None;
             match ended.and_then(|ready| self.bring_on(ready, shared)) {
                 Ok(()) => {
+                    // Only now: of a project that is known, files of other machines are looked for.
+                    if formats::is_project(&path) && self.coming.is_none() {
+                        shared.settings.remember(&path);
+                    }
                     self.body = path;
                     self.go_on_with_coming(shared);
                 }

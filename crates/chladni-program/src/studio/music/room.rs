@@ -233,7 +233,8 @@ impl Room for MusicRoom {
                     self.load(path.clone(), shared);
                 }
             }
-            if chladni_mesh::ShapeSource::sample_name(path).is_none() {
+            // A project is remembered once it dances.
+            if chladni_mesh::ShapeSource::sample_name(path).is_none() && !formats::is_project(path) {
                 shared.settings.remember(path);
             }
         }

@@ -20,8 +20,8 @@ use crate::studio::room::Shared;
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
 use crate::work::{
-    Error, cautions, find, is_far, is_like_a_show, is_lost, placed, playlist, refer, refer_looks, resolve,
-    resolve_looks,
+    Error, cautions, find, is_far, is_like_a_show, is_lost, name_in, placed, playlist, refer, refer_looks,
+    resolve, resolve_looks,
 };
 
 /// The most harmonics that dance live.
@@ -206,25 +206,32 @@ impl MusicRoom {
         })
     }
 
+    /// How the show that was opened names `file`, where that is of another machine and still not beside the show.
+    fn far_name(&self, file: &Path) -> Option<FileRef> {
+        self.far.get(file).filter(|_| !file.is_file()).cloned()
+    }
+
     /// Saves the show, and warns of a file that it names and cannot find again.
     pub(super) fn write_show(&mut self, path: &Path, shared: &mut Shared<'_>) -> Result<(), Error> {
-        let lost: RefCell<Option<PathBuf>> = RefCell::new(None);
-        let show = self.the_show(shared, |file| {
-            let named = refer(file, path.parent());
-            if is_lost(file, &named) || is_far(Path::new(&named.path), path.parent()) {
-                *lost.borrow_mut() = Some(file.to_owned());
+        let (folder, lost) = (path.parent(), RefCell::new(None));
+        let heed = |file: &Path, named: FileRef| {
+            if is_lost(file, &named) || is_far(Path::new(&named.path), folder) {
+                *lost.borrow_mut() = Some(named.path.clone());
             }
             named
-        });
-        let Some(mut show) = show else { return Ok(()) };
-        show.looks = show.looks.map(|looks| refer_looks(looks, path.parent()));
+        };
+        let named = |file: &Path| heed(file, self.far_name(file).unwrap_or_else(|| refer(file, folder)));
+        let Some(mut show) = self.the_show(shared, named) else { return Ok(()) };
+        // Unlike songs, they have no hash: one may be a long film.
+        let unhashed = |file: &Path| FileRef { path: name_in(file, folder), blake3: None };
+        let seen = |file: &Path| heed(file, self.far_name(file).unwrap_or_else(|| unhashed(file))).path;
+        show.looks = show.looks.map(|looks| refer_looks(looks, seen));
         show.save(path).map_err(Error::unsaved)?;
         match lost.into_inner() {
             Some(file) => shared.notices.warn(format_args!(
-                "Saved {}, which will not find {}: its name is not valid Unicode, or that of another machine. Rename it, and \
-                 its name in the show, or keep it beside the show",
-                path.display(),
-                file.display()
+                "Saved {}, which will not find {file}: its name is not valid Unicode, or that of another machine. \
+                 Rename it, and its name in the show, or keep it beside the show",
+                path.display()
             )),
             None => shared.notices.done(format!("Saved {}", path.display())),
         }
@@ -307,6 +314,8 @@ impl MusicRoom {
         if self.keepsake.opened(path) {
             concert.mark_unsaved();
         }
+        // Each file that is not found, by the place that it is given.
+        let mut gone: Vec<(PathBuf, FileRef)> = Vec::new();
         if let Some(looks) = &show.looks {
             // One that is not found keeps its place: its disk may come back. The stage says that it is missing.
             let (mut found, _) = resolve_looks(looks.clone(), folder);
@@ -314,7 +323,9 @@ impl MusicRoom {
                 [(&mut found.picture, &looks.picture), (&mut found.panorama, &looks.panorama)]
             {
                 if found.is_empty() && !named.is_empty() {
-                    *found = placed(named, folder).to_string_lossy().into_owned();
+                    let place = placed(named, folder);
+                    *found = place.to_string_lossy().into_owned();
+                    gone.push((place, FileRef { path: named.clone(), blake3: None }));
                 }
             }
             shared.settings.music.look_like(&found);
@@ -329,11 +340,15 @@ impl MusicRoom {
                 }
                 Err(why) => {
                     shared.notices.warn(why);
-                    placed(&song.path, folder)
+                    let place = placed(&song.path, folder);
+                    gone.push((place.clone(), named));
+                    place
                 }
             };
             songs.push(ShowSong::new(file, song.reading));
         }
+        gone.retain(|(_, named)| is_far(Path::new(&named.path), folder));
+        self.far = gone.into_iter().collect();
         self.late_songs_follow = !songs.is_empty() && !self.late_songs.is_empty();
         // The stretches are numbered by these songs; an older file has none, and the current song goes on.
         if show.body.is_some() || !songs.is_empty() {
