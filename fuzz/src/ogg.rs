@@ -90,7 +90,7 @@ struct Comment<'a> {
 }
 
 /// What a page says of itself.
-#[derive(Arbitrary, Debug)]
+#[derive(Arbitrary, Debug, Default)]
 struct Page {
     version: Stated<u8>,
     flags: Stated<u8>,
@@ -178,7 +178,7 @@ fn segments_of((bytes, position): &Packet) -> Vec<Segment<'_>> {
 
 fn page(segments: &[Segment<'_>], flags: u8, serial: u32, number: u32, stated: Option<&Page>) -> Vec<u8> {
     let position = segments.iter().rev().find_map(|(_, end)| *end).unwrap_or(NO_POSITION);
-    let right = Page::right();
+    let right = Page::default();
     let stated = stated.unwrap_or(&right);
     let mut bytes = [
         &b"OggS"[..],
@@ -194,19 +194,6 @@ fn page(segments: &[Segment<'_>], flags: u8, serial: u32, number: u32, stated: O
     let checksum = stated.checksum.or(checksum(&bytes));
     bytes[CHECKSUM_AT..COUNT_AT].copy_from_slice(&checksum.to_le_bytes());
     bytes
-}
-
-impl Page {
-    fn right() -> Self {
-        Self {
-            version: Stated::right(),
-            flags: Stated::right(),
-            position: Stated::right(),
-            serial: Stated::right(),
-            number: Stated::right(),
-            checksum: Stated::right(),
-        }
-    }
 }
 
 /// The remainder of a page by the polynomial of RFC 3533, the highest bit first.

@@ -13,11 +13,14 @@ impl<'a, T: Arbitrary<'a>> Arbitrary<'a> for Stated<T> {
     }
 }
 
-impl<T: Copy> Stated<T> {
-    pub(crate) const fn right() -> Self {
+/// The right one.
+impl<T> Default for Stated<T> {
+    fn default() -> Self {
         Self(None)
     }
+}
 
+impl<T: Copy> Stated<T> {
     /// What is stated where `right` would be.
     pub(crate) fn or(&self, right: T) -> T {
         self.0.unwrap_or(right)

@@ -211,6 +211,7 @@ fn row_major(matrix: MatRef<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::threads::on_threads;
     use crate::{BasisSettings, Body};
     use chladni_mesh::samples;
 
@@ -270,8 +271,9 @@ mod tests {
             values: (0..25).map(|i| (f64::from(i) * 0.7).cos()).collect(),
         };
         let on = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| start.zoomed_out(vectors, vectors, None, 7, [5, 5], &Task::new())).unwrap()
+            on_threads(Some(threads), || start.zoomed_out(vectors, vectors, None, 7, [5, 5], &Task::new()))
+                .unwrap()
+                .unwrap()
         };
         let one = on(1);
         assert!([2, 5].into_iter().all(|threads| on(threads) == one));

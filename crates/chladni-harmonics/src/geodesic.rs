@@ -180,6 +180,7 @@ impl HeatGeodesics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::threads::on_threads;
     use chladni_mesh::samples;
 
     #[test]
@@ -228,8 +229,11 @@ mod tests {
     fn threads_change_no_bit() {
         let sphere = samples::icosphere(4);
         let on = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| HeatGeodesics::of(&sphere, 1.0).and_then(|of| of.distances(&[0, 777]))).unwrap()
+            on_threads(Some(threads), || {
+                HeatGeodesics::of(&sphere, 1.0).and_then(|of| of.distances(&[0, 777]))
+            })
+            .unwrap()
+            .unwrap()
         };
         let one = on(1);
         assert!([2, 5].into_iter().all(|threads| on(threads) == one));

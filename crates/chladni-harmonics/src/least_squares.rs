@@ -76,6 +76,7 @@ fn decomposed(matrix: MatRef<f64>) -> Option<(Vec<f64>, Mat<f64>, Mat<f64>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::threads::on_threads;
 
     /// Of 3000 × 30 values, faer's own `qr` gives other bits for each number of threads.
     #[test]
@@ -88,8 +89,7 @@ mod tests {
         let dependent = Mat::from_fn(3000, 30, |i, j| a[(i, j.max(1))]);
         for a in [a, dependent] {
             let on = |threads: usize| {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                pool.install(|| least_squares(a.as_ref(), b.as_ref())).unwrap()
+                on_threads(Some(threads), || least_squares(a.as_ref(), b.as_ref())).unwrap().unwrap()
             };
             let one = on(1);
             let rest = &b - product(a.as_ref(), one.as_ref());

@@ -13,9 +13,8 @@ use std::process::Command;
 
 use chladni_harmonics::{BasisCache, BasisSettings, Body, BuildReport};
 use chladni_task::Task;
+use chladni_testdata::{CHILDS_FOLDER, childs_folder, ignored_test, in_shell, on_a_small_disk};
 
-/// The folder of the cache in which a child works.
-const FOLDER: &str = "CHLADNI_TEST_CACHE";
 /// Its entry has some 12 KB, one of many harmonics 200 KB.
 const FEW: usize = 8;
 const MANY: usize = 150;
@@ -26,34 +25,6 @@ fn build(folder: &Path, harmonics: usize) -> (Body, BuildReport) {
     Body::load_or_build(&shapes::icosphere(2), &settings, Some(&cache), &Task::new()).unwrap()
 }
 
-/// Where a child is to work; `None` in the run of all tests, which passes over it.
-fn folder() -> Option<PathBuf> {
-    std::env::var_os(FOLDER).map(PathBuf::from)
-}
-
-/// A command that runs one test of this file, in a process of its own.
-fn child(test: &str) -> Vec<String> {
-    let program = std::env::current_exe().unwrap();
-    [program.to_str().unwrap(), "--exact", test, "--ignored"].map(str::to_owned).to_vec()
-}
-
-/// Runs a script of the shell with a disk of 64 KB at `$CHLADNI_TEST_CACHE`, in a view of the file system of its own; prints a line
-/// where the system allows none.
-fn on_a_small_disk(script: &str) {
-    let folder = tempfile::tempdir().unwrap();
-    let mount = format!("mount -t tmpfs -o size=64k tmpfs \"${FOLDER}\"");
-    let run = |script: &str| {
-        Command::new("unshare").args(["-rm", "sh", "-ec", script]).env(FOLDER, folder.path()).output()
-    };
-    if !run(&mount).is_ok_and(|output| output.status.success()) {
-        return println!("skipped: no disk can be mounted");
-    }
-    let output = run(&format!("{mount}\n{script}")).unwrap();
-    let said =
-        [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned()).concat();
-    assert!(output.status.success(), "{said}");
-}
-
 /// Files that a run has left besides entries.
 fn besides_entries(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
@@ -62,13 +33,13 @@ fn besides_entries(folder: &Path) -> Vec<PathBuf> {
 
 #[test]
 fn a_full_disk_costs_the_entry_and_nothing_else() {
-    on_a_small_disk(&child("fills_the_disk").join(" "));
+    on_a_small_disk(64, &in_shell(&ignored_test("fills_the_disk")));
 }
 
 #[test]
 #[ignore = "run by a_full_disk_costs_the_entry_and_nothing_else"]
 fn fills_the_disk() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = childs_folder() else { return };
     assert!(build(&folder, FEW).1.cache_warning.is_none());
     let (body, report) = build(&folder, MANY);
     assert_eq!(body.basis.harmonics(), MANY);
@@ -80,21 +51,21 @@ fn fills_the_disk() {
 
 #[test]
 fn a_cache_that_is_read_only_is_read() {
-    let [first, then] = ["writes_an_entry", "reads_only"].map(|test| child(test).join(" "));
-    on_a_small_disk(&format!("{first}\nmount -o remount,bind,ro \"${FOLDER}\"\n{then}"));
+    let [first, then] = ["writes_an_entry", "reads_only"].map(|test| in_shell(&ignored_test(test)));
+    on_a_small_disk(64, &format!("{first}\nmount -o remount,bind,ro \"${CHILDS_FOLDER}\"\n{then}"));
 }
 
 #[test]
 #[ignore = "run by a_cache_that_is_read_only_is_read"]
 fn writes_an_entry() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = childs_folder() else { return };
     assert!(build(&folder, FEW).1.cache_warning.is_none());
 }
 
 #[test]
 #[ignore = "run by a_cache_that_is_read_only_is_read"]
 fn reads_only() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = childs_folder() else { return };
     assert!(build(&folder, FEW).1.cached);
     let (body, report) = build(&folder, FEW + 1);
     assert_eq!(body.basis.harmonics(), FEW + 1);
@@ -116,7 +87,7 @@ fn a_cache_in_a_folder_of_somebody_else_is_read() {
     let_in(home.path(), 0o755);
     let_in(&folder, 0o555);
     let before = besides_entries(&folder);
-    let mut words = child("reads_as_another_user");
+    let mut words = ignored_test("reads_as_another_user");
     if std::fs::write(folder.join("root"), "").is_ok() {
         std::fs::remove_file(folder.join("root")).unwrap();
         let nobody = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "--"].map(str::to_owned);
@@ -126,7 +97,7 @@ fn a_cache_in_a_folder_of_somebody_else_is_read() {
         }
         words = [&nobody[..], &words].concat();
     }
-    let output = Command::new(&words[0]).args(&words[1..]).env(FOLDER, &folder).output().unwrap();
+    let output = Command::new(&words[0]).args(&words[1..]).env(CHILDS_FOLDER, &folder).output().unwrap();
     let_in(&folder, 0o755);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
     assert_eq!(besides_entries(&folder), before);
@@ -135,7 +106,7 @@ fn a_cache_in_a_folder_of_somebody_else_is_read() {
 #[test]
 #[ignore = "run by a_cache_in_a_folder_of_somebody_else_is_read"]
 fn reads_as_another_user() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = childs_folder() else { return };
     let (_, report) = build(&folder, FEW);
     assert!(report.cached && report.cache_warning.is_none(), "{report:?}");
     let (body, report) = build(&folder, FEW + 1);
@@ -169,9 +140,9 @@ fn an_entry_of_another_version_is_solved_again() {
 fn two_processes_share_a_folder() {
     let folder = tempfile::tempdir().unwrap();
     let start = || {
-        let words = child("works_beside_another");
+        let words = ignored_test("works_beside_another");
         let mut command = Command::new(&words[0]);
-        command.args(&words[1..]).env(FOLDER, folder.path()).spawn().unwrap()
+        command.args(&words[1..]).env(CHILDS_FOLDER, folder.path()).spawn().unwrap()
     };
     for mut process in [start(), start()] {
         assert!(process.wait().unwrap().success());
@@ -182,7 +153,7 @@ fn two_processes_share_a_folder() {
 #[test]
 #[ignore = "run by two_processes_share_a_folder"]
 fn works_beside_another() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = childs_folder() else { return };
     let alone = tempfile::tempdir().unwrap();
     let right: Vec<_> = (1..6).map(|k| build(alone.path(), k).0.basis).collect();
     for round in 0..60 {

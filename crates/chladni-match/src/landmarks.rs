@@ -158,6 +158,7 @@ mod tests {
             }
         }
     }
+
     #[test]
     fn two_hundred_thousand_landmarks_are_not_each_compared_with_all_before() {
         // That would be twenty billion comparisons: minutes of a test that otherwise takes a moment.

@@ -1,6 +1,6 @@
 //! Where tests and benchmarks find real meshes and music, which are not part of the
 //! repository because their licenses vary, and whether the programs are there that some of them need. Films
-//! they make themselves, and a sound server of their own they start. Chance is the same each time. What they compute in doubles they check with numbers of
+//! they make themselves, and a sound server, a process or a small disk of their own they start. Chance is the same each time. What they compute in doubles they check with numbers of
 //! twice the digits.
 //!
 //! ```
@@ -10,6 +10,7 @@
 //! ```
 
 mod double_double;
+mod process;
 mod sound_server;
 
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ use std::process::Command;
 use std::time::Duration;
 
 pub use double_double::{DoubleDouble, TAU};
+pub use process::{CHILDS_FOLDER, childs_folder, ignored_test, in_shell, on_a_small_disk};
 pub use sound_server::SoundServer;
 
 /// Far longer than whatever a test waits for takes on a loaded machine: something hangs.

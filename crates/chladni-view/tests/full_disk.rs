@@ -9,38 +9,18 @@
 
 use std::fs::File;
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 
+use chladni_testdata::{childs_folder, ignored_test, in_shell, on_a_small_disk};
 use chladni_view::film::{CutOff, ffmpeg_is_there};
 use chladni_view::{Film, FilmSettings, FrameRate, Picture, ViewError};
 
-/// The small disk on which a child works.
-const DISK: &str = "CHLADNI_TEST_SMALL_DISK";
 const FRAMES: u64 = 20;
 const BLOCK: u64 = 4096;
 
-/// Runs an ignored test of this file with a disk of 2 MB at `$CHLADNI_TEST_SMALL_DISK`, in a view of the file system of its own;
-/// prints a line where the system allows none.
-fn on_a_small_disk(test: &str) {
-    let folder = tempfile::tempdir().unwrap();
-    let mount = format!("mount -t tmpfs -o size=2m tmpfs \"${DISK}\"");
-    let run = |script: &str| {
-        Command::new("unshare").args(["-rm", "sh", "-ec", script]).env(DISK, folder.path()).output()
-    };
-    if !run(&mount).is_ok_and(|output| output.status.success()) {
-        return println!("skipped: no disk can be mounted");
-    }
-    let program = std::env::current_exe().unwrap();
-    let child = format!("'{}' --exact {test} --ignored --test-threads=1", program.display());
-    let output = run(&format!("{mount}\n{child}")).unwrap();
-    let said =
-        [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned()).concat();
-    assert!(output.status.success(), "{said}");
-}
-
-fn disk() -> Option<PathBuf> {
-    std::env::var_os(DISK).map(PathBuf::from)
+/// Runs an ignored test of this file with a disk of 2 MB.
+fn on_a_disk(test: &str) {
+    on_a_small_disk(2048, &in_shell(&ignored_test(test)));
 }
 
 /// Leaves `room` bytes, a whole number of blocks, on the disk.
@@ -61,21 +41,14 @@ fn film(path: &Path) -> Result<(), ViewError> {
     let (width, height, rate) = (96, 64, FrameRate::per_second(20));
     let settings = FilmSettings { width, height, rate, frames: FRAMES, first: 0, audio: None };
     let mut film = Film::create(path, settings)?;
-    let mut chance = noise();
+    // Noise, which no format makes small.
+    let mut state = chladni_testdata::chance(7);
+    let mut chance = || (state() >> 56) as u8;
     for _ in 0..FRAMES {
         let rgba = (0..width * height).flat_map(|_| [chance(), chance(), chance(), 255]).collect();
         film.push(&Picture { width, height, rgba })?;
     }
     film.finish()
-}
-
-/// Noise, which no format makes small.
-fn noise() -> impl FnMut() -> u8 {
-    let mut state = 7_u64;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 56) as u8
-    }
 }
 
 fn names(folder: &Path) -> Vec<String> {
@@ -89,13 +62,13 @@ fn names(folder: &Path) -> Vec<String> {
 
 #[test]
 fn a_film_that_does_not_fit_leaves_the_old_one() {
-    on_a_small_disk("films_do_not_fit");
+    on_a_disk("films_do_not_fit");
 }
 
 #[test]
 #[ignore = "run by a_film_that_does_not_fit_leaves_the_old_one"]
 fn films_do_not_fit() {
-    let Some(disk) = disk() else { return };
+    let Some(disk) = childs_folder() else { return };
     let roomy = tempfile::tempdir().unwrap();
     for name in ["d.mp4", "d.gif", "d.png"] {
         if name == "d.mp4" && !ffmpeg_is_there() {
@@ -122,13 +95,13 @@ fn films_do_not_fit() {
 
 #[test]
 fn frames_that_do_not_fit_are_named_and_those_before_them_are_whole() {
-    on_a_small_disk("frames_do_not_fit");
+    on_a_disk("frames_do_not_fit");
 }
 
 #[test]
 #[ignore = "run by frames_that_do_not_fit_are_named_and_those_before_them_are_whole"]
 fn frames_do_not_fit() {
-    let Some(disk) = disk() else { return };
+    let Some(disk) = childs_folder() else { return };
     let frames = disk.join("frames");
     std::fs::create_dir(&frames).unwrap();
     std::fs::write(frames.join("frame-00000.png"), "old").unwrap();
@@ -150,13 +123,13 @@ fn a_recording_that_does_not_fit_is_kept_until_there_is_room() {
     if !ffmpeg_is_there() {
         return println!("skipped: no ffmpeg");
     }
-    on_a_small_disk("a_recording_does_not_fit");
+    on_a_disk("a_recording_does_not_fit");
 }
 
 #[test]
 #[ignore = "run by a_recording_that_does_not_fit_is_kept_until_there_is_room"]
 fn a_recording_does_not_fit() {
-    let Some(disk) = disk() else { return };
+    let Some(disk) = childs_folder() else { return };
     let roomy = tempfile::tempdir().unwrap();
     let record = |home: &Path| {
         let folder = home.join(".chladni-recorded");

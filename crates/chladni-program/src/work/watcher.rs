@@ -1,7 +1,7 @@
 //! The observer of work: a terminal, a window, or a collector of warnings.
 
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use chladni_task::Task;
 
@@ -31,22 +31,25 @@ pub trait Watcher {
     }
 }
 
+/// Says of a document and a file whether the user [knows](Watcher::knows) of it.
+type Knows<'a> = Box<dyn Fn(&Path, &Path) -> bool + 'a>;
+
 /// Collects the warnings of background work until they can be shown.
 pub struct Aside<'a> {
     task: &'a Task,
     warnings: RefCell<Vec<Warning>>,
-    known: Vec<PathBuf>,
+    knows: Knows<'a>,
 }
 
 impl<'a> Aside<'a> {
     /// Work that reports to `task`.
     pub fn new(task: &'a Task) -> Self {
-        Self { task, warnings: RefCell::default(), known: Vec::new() }
+        Self { task, warnings: RefCell::default(), knows: Box::new(|_, _| false) }
     }
 
-    /// The same for a user who has used the files `known`.
-    pub fn knowing(self, known: Vec<PathBuf>) -> Self {
-        Self { known, ..self }
+    /// The same for a user who [knows](Watcher::knows) what `knows` says of a document and a file.
+    pub fn knowing(self, knows: impl Fn(&Path, &Path) -> bool + 'a) -> Self {
+        Self { knows: Box::new(knows), ..self }
     }
 
     /// The collected warnings.
@@ -65,6 +68,6 @@ impl Watcher for Aside<'_> {
     }
 
     fn knows(&self, document: &Path, file: &Path) -> bool {
-        [document, file].into_iter().any(|path| self.known.iter().any(|known| known == path))
+        (self.knows)(document, file)
     }
 }

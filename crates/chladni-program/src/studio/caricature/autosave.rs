@@ -81,7 +81,7 @@ impl Autosave {
 
     /// The time between two copies.
     fn interval_secs(&self) -> f64 {
-        pause_secs(self.took_secs, self.between_secs)
+        pause_secs(self.took_secs, 0.0, self.between_secs)
     }
 
     /// A new error, if there is one.

@@ -36,8 +36,7 @@ struct Written {
 
 /// How long after a copy that took so long to write the next one of a show with so many actions may be due.
 fn interval_secs(took_secs: f64, actions: usize) -> f64 {
-    let pause_secs = pause_secs(took_secs, [INTERVAL_SECS, WITHIN_SECS]);
-    (pause_secs + actions as f64 / ACTIONS_PER_SEC).min(WITHIN_SECS - took_secs).max(INTERVAL_SECS)
+    pause_secs(took_secs, actions as f64 / ACTIONS_PER_SEC, [INTERVAL_SECS, WITHIN_SECS])
 }
 
 /// What a copy has of a show that goes on. Where any of it is another by now, a new copy is due.

@@ -1,6 +1,6 @@
 //! Preparing shapes and caricatures to dance.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::Orientation;
@@ -49,12 +49,17 @@ pub struct Ready {
 }
 
 /// Loads a shape, or a caricature's project, whose shape is the body and whose acting layers are voices: with
-/// its harmonics and their symmetry classes. The user has used the files `known`.
+/// its harmonics and their symmetry classes. `knows` is [what the user knows](Aside::knowing).
 ///
 /// # Errors
 /// Whatever is wrong with the file or the shape.
-pub fn load(path: &Path, known: Vec<PathBuf>, means: Means, task: &Task) -> Result<Ready, Error> {
-    let aside = Aside::new(task).knowing(known);
+pub fn load(
+    path: &Path,
+    knows: impl Fn(&Path, &Path) -> bool,
+    means: Means,
+    task: &Task,
+) -> Result<Ready, Error> {
+    let aside = Aside::new(task).knowing(knows);
     let cast = Cast::open(path, &aside)?;
     let subject = cast.subject().clone();
     let stands = cast.stands(Stance::default(), None, &aside)?;

@@ -44,7 +44,7 @@ mod voices;
 mod wish;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use chladni_music::{Action, FileRef, Show};
 use chladni_sound::Capture;
@@ -155,8 +155,9 @@ impl MusicRoom {
             self.drawers.open = Drawer::Body;
         }
         let (label, loads) = (format!("Opening {}", shown_name(&path)), path.clone());
-        let known = shared.settings.recent.clone();
-        let job = Job::start(label, &shared.ctx, move |task| loading::load(&loads, known, means, task));
+        let settings = shared.settings.clone();
+        let knows = move |document: &Path, file: &Path| settings.knows(document, file);
+        let job = Job::start(label, &shared.ctx, move |task| loading::load(&loads, knows, means, task));
         self.loading = Some((path, job));
     }
 

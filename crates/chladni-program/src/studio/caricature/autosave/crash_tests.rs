@@ -9,11 +9,11 @@ use std::time::Duration;
 
 use chladni_caricature::{Action, Layer, LayerId, Painted, Property, ShapeSource, Smoothing, Template};
 use chladni_task::{Needs, other_program};
+use chladni_testdata::{CHILDS_FOLDER, childs_folder, ignored_test};
 
 use super::*;
 
-/// The folder in which the child works, and the seed of what it does.
-const FOLDER: &str = "CHLADNI_TEST_EDITS";
+/// The seed of what the child does.
 const SEED: &str = "CHLADNI_TEST_SEED";
 /// The program's own rules with a shorter time between two copies, so that many fit between two kills; its own 2 s are
 /// `CHLADNI_PERIOD_MS=2000`.
@@ -90,7 +90,7 @@ impl Editor {
 #[test]
 #[ignore = "run by what_is_missing_after_a_kill_is_no_older_than_a_copy_and_a_save"]
 fn edits_until_killed() {
-    let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else { return };
+    let Some(folder) = childs_folder() else { return };
     let seed = std::env::var(SEED).unwrap().parse().unwrap();
     let (mut editor, mut pauses) = (Editor::new(seed), chladni_testdata::chance(seed + 1));
     let mut autosave = Autosave::every([period_secs(); 2], &folder.join("state")).unwrap();
@@ -189,10 +189,10 @@ fn what_is_missing_after_a_kill_is_no_older_than_a_copy_and_a_save() {
     let (mut turns, mut oldest_secs) = (0, 0.0_f64);
     for seed in 0..rounds {
         let folder = tempfile::tempdir().unwrap();
-        let name = std::thread::current().name().unwrap().rsplit_once("::").unwrap().0.to_owned();
-        let mut child = other_program(std::env::current_exe().unwrap(), Needs::Files)
-            .args(["--exact", &format!("{name}::edits_until_killed"), "--ignored", "--test-threads=1"])
-            .env(FOLDER, folder.path())
+        let words = ignored_test("edits_until_killed");
+        let mut child = other_program(&words[0], Needs::Files)
+            .args(&words[1..])
+            .env(CHILDS_FOLDER, folder.path())
             .env(SEED, seed.to_string())
             .env(PERIOD, format!("{:.0}", 1e3 * period_secs()))
             .stdout(Stdio::piped())

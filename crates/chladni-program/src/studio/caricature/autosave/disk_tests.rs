@@ -4,15 +4,13 @@ use std::io::Write;
 
 use chladni_caricature::Action;
 use chladni_task::{Needs, other_program};
+use chladni_testdata::{CHILDS_FOLDER, childs_folder, ignored_test, in_shell, on_a_small_disk};
 
 use super::tests::{changed, copies, found, tick_until};
 use super::*;
 
-/// The small disk on which the child works.
-const DISK: &str = "CHLADNI_TEST_SMALL_DISK";
-
 fn run(script: &str, disk: &Path) -> bool {
-    let output = other_program("sh", Needs::Files).args(["-ec", script]).env(DISK, disk).output();
+    let output = other_program("sh", Needs::Files).args(["-ec", script]).env(CHILDS_FOLDER, disk).output();
     if let Ok(output) = &output {
         println!("{}", String::from_utf8_lossy(&output.stdout));
         println!("{}", String::from_utf8_lossy(&output.stderr));
@@ -22,17 +20,7 @@ fn run(script: &str, disk: &Path) -> bool {
 
 #[test]
 fn a_disk_that_is_full_or_read_only_is_said_once_and_the_copy_follows_when_it_is_not() {
-    let disk = tempfile::tempdir().unwrap();
-    let mount = format!("mount -t tmpfs -o size=64k tmpfs \"${DISK}\"");
-    // In a view of the file system of its own.
-    let apart = |script: &str| run(&format!("exec unshare -rm sh -ec '{script}'"), disk.path());
-    if !apart(&format!("{mount}\nmount --bind \"${DISK}\" \"${DISK}\"")) {
-        return println!("skipped: no disk can be mounted");
-    }
-    let name = std::thread::current().name().unwrap().rsplit_once("::").unwrap().0.to_owned();
-    let program = std::env::current_exe().unwrap();
-    let child = format!("\"{}\" --exact {name}::keeps_copies_on_a_small_disk --ignored", program.display());
-    assert!(apart(&format!("{mount}\n{child}")));
+    on_a_small_disk(64, &in_shell(&ignored_test("keeps_copies_on_a_small_disk")));
 }
 
 fn refused(autosave: &mut Autosave, history: &History, advice: &str) {
@@ -47,7 +35,7 @@ fn refused(autosave: &mut Autosave, history: &History, advice: &str) {
 #[test]
 #[ignore = "run by a_disk_that_is_full_or_read_only_is_said_once_and_the_copy_follows_when_it_is_not"]
 fn keeps_copies_on_a_small_disk() {
-    let Some(disk) = std::env::var_os(DISK).map(PathBuf::from) else { return };
+    let Some(disk) = childs_folder() else { return };
     let folder = disk.join("recovery");
     let mut history = changed();
     let mut autosave = Autosave::start(&folder).unwrap();
@@ -60,11 +48,13 @@ fn keeps_copies_on_a_small_disk() {
     tick_until(&mut autosave, &history, |_| copies(&folder) > 0);
 
     // Over the disk, on which a file is open.
-    let read_only = format!("mount --bind \"${DISK}\" \"${DISK}\"\nmount -o remount,bind,ro \"${DISK}\"");
+    let read_only = format!(
+        "mount --bind \"${CHILDS_FOLDER}\" \"${CHILDS_FOLDER}\"\nmount -o remount,bind,ro \"${CHILDS_FOLDER}\""
+    );
     assert!(run(&read_only, &disk));
     history.apply(&Action::SetHarmonics(9), None).unwrap();
     refused(&mut autosave, &history, "the disk is read-only: write to another one");
-    assert!(run(&format!("umount -l \"${DISK}\""), &disk));
+    assert!(run(&format!("umount -l \"${CHILDS_FOLDER}\""), &disk));
     tick_until(&mut autosave, &history, |_| true);
     drop(autosave);
     assert_eq!(found(&folder)[0].project.harmonics, 9);

@@ -8,11 +8,10 @@ use std::process::Stdio;
 
 use chladni_music::{Action, LoggedAction, Moment};
 use chladni_task::{Needs, other_program};
+use chladni_testdata::{CHILDS_FOLDER, childs_folder, ignored_test};
 
 use super::*;
 
-/// The folder of the child's copies.
-const FOLDER: &str = "CHLADNI_TEST_SHOWS";
 const KEPT: &str = "kept ";
 
 /// The show as it is after so many turns; longer after some than after others.
@@ -27,7 +26,7 @@ fn show(turn: u64) -> Show {
 #[test]
 #[ignore = "run by a_kill_leaves_the_last_copy_or_a_newer_one"]
 fn keeps_copies_until_killed() {
-    let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else { return };
+    let Some(folder) = childs_folder() else { return };
     let mut keepsake = Keepsake::default();
     for turn in 1.. {
         assert_eq!(keepsake.write(show(turn), Kept::default(), &folder, in_background), None);
@@ -44,10 +43,10 @@ fn a_kill_leaves_the_last_copy_or_a_newer_one() {
     let mut turns = 0;
     for round in 0..rounds {
         let folder = tempfile::tempdir().unwrap();
-        let name = std::thread::current().name().unwrap().rsplit_once("::").unwrap().0.to_owned();
-        let mut child = other_program(std::env::current_exe().unwrap(), Needs::Files)
-            .args(["--exact", &format!("{name}::keeps_copies_until_killed"), "--ignored", "--test-threads=1"])
-            .env(FOLDER, folder.path())
+        let words = ignored_test("keeps_copies_until_killed");
+        let mut child = other_program(&words[0], Needs::Files)
+            .args(&words[1..])
+            .env(CHILDS_FOLDER, folder.path())
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
