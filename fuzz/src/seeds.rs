@@ -58,6 +58,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     write_npz(&archive, |npz| npz.array("mask", &[3], [0.0f32, 0.25, 1.0]))?;
     save("song_wav", "int.wav", &wav_bytes(&song, WavSample::Int16)?)?;
     save("song_wav", "float.wav", &wav_bytes(&song, WavSample::Float32)?)?;
+    // The header alone of an AIFF file of 9114 channels.
+    let header = b"FORM\0\0\0\x1eAIFFCOMM\0\0\0\x12\x23\x9a\0\0\0\0\0\x10\x40\x0b\xfa\0\0\0\0\0\0\0";
+    save("song_aiff", "channels.aiff", header)?;
     save("numbers", "mask.npy", &npy_of(&[0.0, 0.25, 1.0])?)?;
     for (target, name, bytes) in of_the_program()?.into_iter().chain(meshes::meshes()?) {
         save(target, name, &bytes)?;

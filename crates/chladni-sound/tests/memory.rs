@@ -148,6 +148,19 @@ fn opus_files() -> Vec<File> {
     vec![("comments", file(&tags(COUNT), 5)), ("silence", file(&tags(0), COUNT as u32 / 10))]
 }
 
+/// An AIFF file that ends where its sound would begin.
+fn aiff_header(channels: u16, bits: u16) -> Vec<u8> {
+    let rate_8000_hz = b"\x40\x0b\xfa\0\0\0\0\0\0\0";
+    [
+        b"FORM\0\0\0\x1eAIFFCOMM\0\0\0\x12",
+        &channels.to_be_bytes()[..],
+        &[0; 4],
+        &bits.to_be_bytes(),
+        rate_8000_hz,
+    ]
+    .concat()
+}
+
 #[test]
 fn memory_is_bounded_by_the_length_of_the_file() {
     let kinds = [("MP3", mp3_files()), ("WAV", wav_files()), ("FLAC", flac_files()), ("Opus", opus_files())];
@@ -169,5 +182,13 @@ fn memory_is_bounded_by_the_length_of_the_file() {
             assert!(opening <= EACH * length + BESIDES, "{kind}, {what}: {opening} bytes for {length}");
             assert!(reading <= EACH * length + 3 * options.max_bytes + BESIDES, "{kind}, {what}: {reading}");
         }
+    }
+    // Room for a packet in all of these channels would take 21 and 75 MB.
+    for (channels, bits) in [(9_114, 16), (u16::MAX, 8), (16_383, 32)] {
+        let bytes = aiff_header(channels, bits);
+        let length = bytes.len();
+        let (opening, reader) = peak(|| SongReader::from_bytes("header.aiff", bytes));
+        assert!(reader.is_err(), "{channels} channels");
+        assert!(opening <= EACH * length + BESIDES, "{channels} channels: {opening} bytes for {length}");
     }
 }

@@ -52,7 +52,7 @@ pub struct SongTags {
 /// that were not reached yet is not known.
 ///
 /// Memory does not depend on the length of the song, only on its tags and tables: it is bounded by 64 bytes for each byte
-/// of the file, and 8 MiB.
+/// of the file, and 8 MiB. A header of Vorbis that was made for it takes more: up to 16 MiB for each of 256 code books.
 pub struct SongReader {
     name: String,
     source: SharedSource,

@@ -24,6 +24,11 @@ use crate::SoundError;
 /// sound is the encoder's own delay, 576 frames for LAME.
 const MP3_DECODER_DELAY: u64 = 529;
 
+/// The most samples, of all channels, that a packet may be stated to hold: decoders of PCM and ADPCM make room for them before
+/// they read any. In the widest, of 8 bytes, these take 4 MiB. A block of ADPCM has up to 131,063; packets of WAV and AIFF
+/// have 1152 frames, so that 455 channels can be read.
+const MOST_SAMPLES: u64 = 1 << 19;
+
 static CODECS: LazyLock<CodecRegistry> = LazyLock::new(|| {
     let mut codecs = CodecRegistry::new();
     symphonia::default::register_enabled_codecs(&mut codecs);
@@ -55,6 +60,7 @@ pub(super) fn open_track(name: &str, format: &dyn FormatReader) -> Result<Opened
     if let Some(rate_hz) = params.sample_rate.filter(|rate_hz| *rate_hz > 0) {
         crate::check_rate(name, rate_hz)?;
     }
+    check_packets(name, params)?;
     let placed = if format.format_info().format == FORMAT_ID_MKV { with_speakers(params) } else { None };
     let decoder = CODECS
         .make_audio_decoder(placed.as_ref().unwrap_or(params), &AudioDecoderOptions::default())
@@ -67,6 +73,17 @@ pub(super) fn open_track(name: &str, format: &dyn FormatReader) -> Result<Opened
         is_guess: params.codec == well_known::CODEC_ID_MP3 && track.delay.unwrap_or(0) == 0,
         decoder,
     })
+}
+
+/// Refuses packets so large that there is no room for them.
+fn check_packets(name: &str, params: &AudioCodecParameters) -> Result<(), SoundError> {
+    let frames = params.max_frames_per_packet.unwrap_or(0);
+    let channels = params.channels.as_ref().map_or(0, Channels::count);
+    if frames.saturating_mul(channels as u64) <= MOST_SAMPLES {
+        return Ok(());
+    }
+    let what = format!("it states packets of {frames} frames in {channels} channels, too many for a song");
+    Err(SoundError::Damaged { name: name.to_owned(), what })
 }
 
 /// The same with the usual speakers: Matroska states only the number of channels, which PCM has in WAVE order. Other codecs
@@ -167,4 +184,25 @@ pub(super) fn unrecognized(name: &str, start: &[u8], error: &CodecError) -> Soun
         other => other.to_string(),
     };
     SoundError::Unrecognized { name: name.to_owned(), reason }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packets_hold_no_more_than_there_is_room_for() {
+        let is_read = |frames: u64, channels: u16| {
+            let mut params = AudioCodecParameters::new();
+            params.with_max_frames_per_packet(frames).with_channels(Channels::Discrete(channels));
+            check_packets("a song", &params).is_ok()
+        };
+        // AIFF, the longest block of ADPCM, and QuickTime.
+        for (frames, channels) in [(1152, 455), (131_063, 1), (1, 32)] {
+            assert!(is_read(frames, channels), "{frames} frames, {channels} channels");
+        }
+        for (frames, channels) in [(1152, 456), (1152, u16::MAX), (u64::from(u32::MAX), 1), (u64::MAX, 2)] {
+            assert!(!is_read(frames, channels), "{frames} frames, {channels} channels");
+        }
+    }
 }
