@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use chladni_sound::{Song, WavSample, write_wav};
+use chladni_view::Picture;
 
 use crate::strobing::ball;
 
@@ -16,34 +17,25 @@ fn ok(folder: &Path, arguments: &[String]) {
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
+/// A fifth of a second of sound.
+fn hum(path: &Path) {
+    let song = Song { rate_hz: 8_000, left: vec![0.5; 1_600], right: vec![0.5; 1_600] };
+    write_wav(path, &song, WavSample::Int16).unwrap();
+}
+
 #[test]
 fn files_are_read_and_made_by_whatever_name() {
     if !chladni_view::ffmpeg_is_there() {
         return println!("skipped: no ffmpeg");
     }
+    let png = Picture::filled(16, 16, [128, 128, 128, 255]).to_png().unwrap();
     for name in ["-y", "$(touch x)", "|x", "concat:a|b", "pipe:1", "a\nb"] {
         let home = tempfile::tempdir().unwrap();
         let folder = home.path();
         let [mesh, song, picture, film] = ["obj", "wav", "png", "mp4"].map(|kind| format!("{name}.{kind}"));
         ball(&folder.join(&mesh));
-        let sound = Song { rate_hz: 8_000, left: vec![0.5; 1_600], right: vec![0.5; 1_600] };
-        write_wav(&folder.join(&song), &sound, WavSample::Int16).unwrap();
-        let made = Command::new("ffmpeg")
-            .args([
-                "-loglevel",
-                "error",
-                "-f",
-                "lavfi",
-                "-i",
-                "color=gray:s=16x16",
-                "-frames:v",
-                "1",
-                "p.png",
-            ])
-            .current_dir(folder)
-            .status();
-        assert!(made.unwrap().success());
-        std::fs::rename(folder.join("p.png"), folder.join(&picture)).unwrap();
+        hum(&folder.join(&song));
+        std::fs::write(folder.join(&picture), &png).unwrap();
         let names = ["--".to_owned(), mesh.clone(), song.clone()];
         ok(folder, &[&[format!("--picture={picture}"), format!("--output={film}")][..], &names].concat());
         // The film stands behind the next one.
