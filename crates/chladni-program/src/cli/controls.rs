@@ -12,6 +12,6 @@ pub struct Controls {}
 impl Controls {
     /// Runs the command.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        terminal.result(chladni_music::controls_page().trim_end())
+        terminal.page(chladni_music::controls_page().trim_end())
     }
 }

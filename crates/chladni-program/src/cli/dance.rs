@@ -228,7 +228,7 @@ impl Dance {
                 None => terminal.wrote(path)?,
             }
         }
-        terminal.note(report);
+        report.lines().iter().for_each(|line| terminal.note(line));
         Ok(())
     }
 

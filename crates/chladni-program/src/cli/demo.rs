@@ -103,6 +103,6 @@ fn dance(folder: &Path, clip: &Clip, terminal: &Terminal) -> Result<(), Error> {
     film.duration_secs = Some(clip.secs);
     let report = film::make(film, terminal)?;
     terminal.wrote(&out)?;
-    terminal.note(report);
+    report.lines().iter().for_each(|line| terminal.note(line));
     Ok(())
 }

@@ -75,31 +75,36 @@ impl Terminal {
     /// If the reader closes the pipe, as `head` does, that is not a failure: the remaining work is still
     /// done.
     pub fn result(&self, line: impl Display) -> Result<(), Error> {
-        match writeln!(std::io::stdout().lock(), "{}", plain(line, LAYOUT)) {
+        match writeln!(std::io::stdout().lock(), "{}", plain(line)) {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
             written => written.map_err(|error| Error::unwritten(Path::new("standard output"), error)),
         }
     }
 
-    /// Prints a JSON value to standard output.
+    /// Prints a text of several lines, none of which holds a name with a line break, to standard output.
+    pub fn page(&self, text: &str) -> Result<(), Error> {
+        text.lines().try_for_each(|line| self.result(line))
+    }
+
+    /// Prints a JSON value, whose names have no line breaks, to standard output.
     pub fn json(&self, value: &impl serde::Serialize) -> Result<(), Error> {
-        self.result(serde_json::to_string_pretty(value).map_err(Error::other)?)
+        self.page(&serde_json::to_string_pretty(value).map_err(Error::other)?)
     }
 
     /// Reports a file that was written.
     pub fn wrote(&self, path: &Path) -> Result<(), Error> {
-        self.result(format_args!("wrote {}", plain(path.display(), &[])))
+        self.result(format_args!("wrote {}", path.display()))
     }
 
     /// A line for the person at the terminal, on standard error.
     pub fn note(&self, line: impl Display) {
         // If standard error is closed, there is nowhere to report it.
-        let _ = writeln!(std::io::stderr().lock(), "{}", plain(line, LAYOUT));
+        let _ = writeln!(std::io::stderr().lock(), "{}", plain(line));
     }
 
     /// The one line with which a command fails.
     pub fn error(&self, error: &Error) {
-        self.note(format_args!("chladni: {}", plain(error, &[])));
+        self.note(format_args!("chladni: {error}"));
     }
 }
 
@@ -109,7 +114,7 @@ impl Watcher for Terminal {
     }
 
     fn warn(&self, warning: Warning) {
-        self.note(format_args!("warning: {}", plain(advised(&warning, self.takes_stance), &[])));
+        self.note(format_args!("warning: {}", advised(&warning, self.takes_stance)));
     }
 
     /// Files below the current folder are where the user works. Of another machine than that folder's, none is looked for.
@@ -135,15 +140,12 @@ impl Watcher for Terminal {
     }
 }
 
-/// Control characters that lay out texts of several lines.
-const LAYOUT: &[char] = &['\n', '\t'];
-
-/// The text, with control characters other than `kept` as JSON escapes them: names in a file may hold some, which would move
-/// the cursor or pass for lines of their own.
-fn plain(text: impl Display, kept: &[char]) -> String {
+/// The line, with control characters as JSON escapes them: names of files, and in them, may hold some, which would move the
+/// cursor or pass for lines of their own.
+fn plain(line: impl Display) -> String {
     let mut plain = String::new();
-    for c in text.to_string().chars() {
-        if c.is_control() && !kept.contains(&c) {
+    for c in line.to_string().chars() {
+        if c.is_control() {
             plain.push_str(&format!("\\u{:04x}", u32::from(c)));
         } else {
             plain.push(c);
@@ -200,11 +202,10 @@ mod tests {
     #[test]
     fn names_in_files_move_no_cursor_and_make_no_lines() {
         let name = "a\u{1b}[2J\nwrote b\u{9b}é…\t";
-        assert_eq!(plain(name, &[]), "a\\u001b[2J\\u000awrote b\\u009bé…\\u0009");
-        assert_eq!(plain(name, LAYOUT), "a\\u001b[2J\nwrote b\\u009bé…\t");
+        assert_eq!(plain(name), "a\\u001b[2J\\u000awrote b\\u009bé…\\u0009");
         // JSON stays JSON.
-        let json = serde_json::to_string_pretty(&[name]).unwrap();
-        let read: [String; 1] = serde_json::from_str(&plain(&json, LAYOUT)).unwrap();
+        let json = serde_json::to_string(&[name]).unwrap();
+        let read: [String; 1] = serde_json::from_str(&plain(&json)).unwrap();
         assert_eq!(read, [name]);
     }
 

@@ -1,4 +1,4 @@
-//! Files whose names look like options, addresses or commands.
+//! Files whose names look like options, addresses, commands or lines of output.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -44,5 +44,32 @@ fn files_are_read_and_made_by_whatever_name() {
         let there: BTreeSet<String> =
             there.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         assert_eq!(there, BTreeSet::from([mesh, song, picture, film, "next.mp4".to_owned()]));
+    }
+}
+
+#[test]
+fn names_make_no_lines_and_move_no_cursor() {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path();
+    let [mesh, song, project, arrays, missing] =
+        ["obj", "wav", "chladni", "npz", "ply"].map(|kind| format!("a\n#\u{1b}[2J.{kind}"));
+    ball(&folder.join(&mesh));
+    hum(&folder.join(&song));
+    let commands: [(&[&str], bool); 6] = [
+        (&["project", "new", &mesh, "-k", "8", "-o", &project], true),
+        (&["project", "add-layer", &project, "--template", "self:scale=0.5", "--mu", "-2"], true),
+        (&["project", "show", &project], true),
+        (&["project", "show", &project, "--json"], true),
+        (&["dance", "--duration", "0.1", "-k", "4", "--coefficients", &arrays, "--", &mesh, &song], true),
+        (&["info", &missing], false),
+    ];
+    for (arguments, succeeds) in commands {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
+        let output = command.arg("--quiet").args(arguments).current_dir(folder).output().unwrap();
+        let printed = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
+        assert_eq!(output.status.success(), succeeds, "{arguments:?}: {printed}");
+        assert!(printed.contains("#\\u001b[2J."), "{arguments:?}: {printed:?}");
+        assert!(printed.chars().all(|c| c == '\n' || !c.is_control()), "{arguments:?}: {printed:?}");
+        assert!(printed.lines().all(|line| !line.starts_with('#')), "{arguments:?}: {printed:?}");
     }
 }

@@ -74,22 +74,19 @@ impl Report {
     pub fn drawn_by_processor(&self) -> Option<(&str, Samples)> {
         self.device.as_deref().zip(self.by_processor)
     }
-}
 
-impl std::fmt::Display for Report {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let s = &self.seconds;
-        if let Some(approximation) = &self.approximation {
-            writeln!(
-                f,
+    /// Where the time went and, before it, how near the morph targets of a GLB come to the film, in a line each.
+    pub fn lines(&self) -> Vec<String> {
+        let near = self.approximation.as_ref().map(|approximation| {
+            format!(
                 "{} morph targets: {:.3} % of the size from the film on average, {:.2} % at most",
                 approximation.targets,
                 100.0 * approximation.mean_deviation,
                 100.0 * approximation.largest_deviation
-            )?;
-        }
-        write!(
-            f,
+            )
+        });
+        let s = &self.seconds;
+        let times = format!(
             "{} in {:.1} s: reading {:.1}, harmonics {:.1}, beats {:.1}, spectra {:.1}, mapping {:.2}, \
              synthesis {:.1}, normals {:.1}, drawing {:.1}, flash guard {:.1}, waiting for the encoder {:.1}",
             counted(self.frames, "frame", "frames"),
@@ -104,6 +101,7 @@ impl std::fmt::Display for Report {
             s.drawing,
             s.guarding,
             s.encoding
-        )
+        );
+        near.into_iter().chain([times]).collect()
     }
 }
