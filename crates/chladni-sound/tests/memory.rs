@@ -4,6 +4,7 @@
 
 use chladni_sound::{Song, SongOptions, SongReader, SoundError, WavSample, wav_bytes};
 use chladni_task::Task;
+use chladni_testdata::{crc, ogg_page, vorbis_of_books};
 use peak_alloc::PeakAlloc;
 
 #[global_allocator]
@@ -25,17 +26,6 @@ fn peak<T>(work: impl FnOnce() -> T) -> (usize, T) {
     let before = MEMORY.current_usage();
     let result = work();
     (MEMORY.peak_usage() - before, result)
-}
-
-/// The remainder of `bytes` by a polynomial of `bits` bits, the highest first.
-fn crc(bytes: &[u8], bits: u32, polynomial: u32) -> u32 {
-    let top = 1 << (bits - 1);
-    let mask = top | (top - 1);
-    bytes.iter().fold(0, |crc: u32, &byte| {
-        (0..8).fold(crc ^ (u32::from(byte) << (bits - 8)), |crc, _| {
-            ((crc << 1) ^ if crc & top == 0 { 0 } else { polynomial }) & mask
-        })
-    })
 }
 
 /// A tag of ID3v2.4 with these frames.
@@ -112,22 +102,6 @@ fn flac_files() -> Vec<File> {
     ]
 }
 
-/// A page of an Ogg file that holds a packet, or a part of one that is long.
-fn ogg_page(number: u32, kind: u8, position: u64, packet: &[u8], ends: bool) -> Vec<u8> {
-    let mut lacing = vec![255; packet.len() / 255];
-    if ends {
-        lacing.push((packet.len() % 255) as u8);
-    }
-    let mut page = [b"OggS", &[0, kind][..], &position.to_le_bytes(), &[1, 0, 0, 0]].concat();
-    page.extend(number.to_le_bytes());
-    page.extend([0, 0, 0, 0, lacing.len() as u8]);
-    page.extend(lacing);
-    page.extend(packet);
-    let check = crc(&page, 32, 0x04c1_1db7);
-    page[22..26].copy_from_slice(&check.to_le_bytes());
-    page
-}
-
 fn opus_files() -> Vec<File> {
     let head = b"OpusHead\x01\x02\x38\x01\x80\xbb\x00\x00\x00\x00\x00";
     let file = |tags: &[u8], sounds: u32| {
@@ -190,5 +164,24 @@ fn memory_is_bounded_by_the_length_of_the_file() {
         let (opening, reader) = peak(|| SongReader::from_bytes("header.aiff", bytes));
         assert!(reader.is_err(), "{channels} channels");
         assert!(opening <= EACH * length + BESIDES, "{channels} channels: {opening} bytes for {length}");
+    }
+}
+
+/// The first bits of a code book with 2^17 words of 17 bits, in the order of their lengths.
+const MOST_WORDS: [(u32, u32); 6] =
+    [(0x0056_4342, 24), (31, 16), (1 << 17, 24), (1, 1), (16, 5), (1 << 17, 18)];
+
+#[test]
+fn books_of_vorbis_that_would_take_much_are_not_made() {
+    // A lattice of one value, and none.
+    let lattice = [(1, 4), (0, 32), (0, 32), (0, 4), (0, 1), (0, 1)];
+    for (count, end) in [(1, &lattice[..]), (256, &lattice), (1, &[(0, 4)]), (256, &[(0, 4)])] {
+        let bytes = vorbis_of_books(count, &[&MOST_WORDS[..], end].concat());
+        let length = bytes.len();
+        let (opening, reader) = peak(|| SongReader::from_bytes("books.ogg", bytes));
+        let error = reader.err().unwrap().to_string();
+        println!("{length} bytes: {opening} to open; {error}");
+        assert!(error.contains("code books"), "{error}");
+        assert!(opening <= EACH * length + BESIDES, "{opening} bytes for {length}");
     }
 }

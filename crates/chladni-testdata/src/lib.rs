@@ -1,7 +1,7 @@
 //! Where tests and benchmarks find real meshes and music, which are not part of the
 //! repository because their licenses vary, and whether the programs are there that some of them need. Films
-//! they make themselves, and a sound server, a process or a small disk of their own they start. Chance is the same each time. What they compute in doubles they check with numbers of
-//! twice the digits.
+//! and damaged songs they make themselves, and a sound server, a process or a small disk of their own they start. Chance is the
+//! same each time. What they compute in doubles they check with numbers of twice the digits.
 //!
 //! ```
 //! // Tests that need real data return early where there is none.
@@ -10,6 +10,7 @@
 //! ```
 
 mod double_double;
+mod ogg;
 mod process;
 mod sound_server;
 
@@ -18,6 +19,7 @@ use std::process::Command;
 use std::time::Duration;
 
 pub use double_double::{DoubleDouble, TAU};
+pub use ogg::{crc, ogg_page, vorbis_of_books};
 pub use process::{CHILDS_FOLDER, childs_folder, ignored_test, in_shell, on_a_small_disk};
 pub use sound_server::SoundServer;
 

@@ -320,3 +320,18 @@ fn what_stands_in_the_place_of_something_else_is_named() {
     std::fs::write(file, "").unwrap();
     Run::of(&["demo", "-o", file]).refused("is a file");
 }
+
+#[test]
+fn a_song_that_contradicts_what_its_decoder_asserts_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let song = folder.path().join("asserted.ogg");
+    // A lattice in 32 dimensions, of which the reader of Ogg asserts in 32 bits that 2^32 is more than four.
+    let words = [(0x0056_4342, 24), (32, 16), (4, 24), (0, 1), (0, 1), (1, 5), (1, 5), (1, 5), (1, 5)];
+    let book = [&words[..], &[(1, 4), (0, 32), (0, 32), (0, 4), (0, 1), (0, 1)]].concat();
+    std::fs::write(&song, chladni_testdata::vorbis_of_books(1, &book)).unwrap();
+    let gif = folder.path().join("x.gif");
+    let arguments = ["dance", "sample:octopus", song.to_str().unwrap(), "-o", gif.to_str().unwrap()];
+    let run = Run::of(&arguments);
+    run.refused("asserted.ogg");
+    assert_eq!(run.stderr().lines().count(), 1, "{}", run.stderr());
+}

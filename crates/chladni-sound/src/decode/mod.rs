@@ -7,11 +7,13 @@ mod lengths;
 mod mended;
 mod mp4_edits;
 mod opus;
+mod panics;
 mod reader;
 mod resample;
 mod song;
 mod source;
 mod track;
+mod vorbis;
 mod wav;
 mod wav_lengths;
 

@@ -20,6 +20,7 @@ use super::downmix::Downmix;
 use super::lengths::with_true_lengths;
 use super::mended::Ending;
 use super::mp4_edits::{self, Audible};
+use super::panics::caught;
 use super::source::SharedSource;
 use super::track::{OpenedTrack, look_at_start, open_track, rewind, unrecognized};
 use crate::SoundError;
@@ -52,7 +53,7 @@ pub struct SongTags {
 /// that were not reached yet is not known.
 ///
 /// Memory does not depend on the length of the song, only on its tags and tables: it is bounded by 64 bytes for each byte
-/// of the file, and 8 MiB. A header of Vorbis that was made for it takes more: up to 16 MiB for each of 256 code books.
+/// of the file, and 8 MiB.
 pub struct SongReader {
     name: String,
     source: SharedSource,
@@ -346,7 +347,7 @@ impl SongReader {
         self.ticks_of(frame).is_some_and(|ticks| {
             let ticks = ticks.saturating_add(self.first_ticks).max(0);
             let to = SeekTo::Timestamp { ts: Timestamp::new(ticks), track_id: self.track_id };
-            self.format.seek(SeekMode::Accurate, to).is_ok()
+            caught(&self.name, || self.format.seek(SeekMode::Accurate, to)).is_ok_and(|sought| sought.is_ok())
         })
     }
 
@@ -424,7 +425,7 @@ impl SongReader {
 
     /// Decodes one packet into `stereo`, as far as it is to be heard. Returns false at the end.
     fn decode_packet(&mut self) -> Result<bool, SoundError> {
-        let mut packet = match self.format.next_packet() {
+        let mut packet = match caught(&self.name, || self.format.next_packet())? {
             Ok(Some(packet)) => packet,
             Ok(None) => {
                 self.cut_short |= self.ending == Ending::Cut;
@@ -457,7 +458,7 @@ impl SongReader {
         if self.is_guess {
             packet.trim_end = Duration::ZERO;
         }
-        let (rate_hz, channels) = match self.decoder.decode(&packet) {
+        let (rate_hz, channels) = match caught(&self.name, || self.decoder.decode(&packet))? {
             Ok(decoded) => {
                 let spec = decoded.spec();
                 let shape = (spec.rate(), spec.channels().clone());
@@ -537,8 +538,8 @@ fn probe(name: &str, source: &SharedSource) -> Result<Box<dyn FormatReader>, Sou
     }
     let stream = MediaSourceStream::new(Box::new(source), Default::default());
     // No hint is given: the first bytes of a file are more reliable than its name.
-    symphonia::default::get_probe()
-        .probe(&Hint::new(), stream, FormatOptions::default(), MetadataOptions::default())
+    let (formats, tags) = (FormatOptions::default(), MetadataOptions::default());
+    caught(name, || symphonia::default::get_probe().probe(&Hint::new(), stream, formats, tags))?
         .map_err(|error| unrecognized(name, &start, &error))
 }
 

@@ -17,6 +17,8 @@ use symphonia::core::units::TimeBase;
 use super::downmix::usual;
 use super::mp4_edits::Audible;
 use super::opus::{self, OpusDecoder};
+use super::panics::caught;
+use super::vorbis::bytes_of_books;
 use crate::SoundError;
 
 /// Every MP3 decoder has this delay in frames (ISO/IEC 11172-3: polyphase filters and overlap). A LAME tag
@@ -28,6 +30,9 @@ const MP3_DECODER_DELAY: u64 = 529;
 /// they read any. In the widest, of 8 bytes, these take 4 MiB. A block of ADPCM has up to 131,063; packets of WAV and AIFF
 /// have 1152 frames, so that 455 channels can be read.
 const MOST_SAMPLES: u64 = 1 << 19;
+
+/// The most bytes that the code books of Vorbis may take. Those of the usual encoder take up to 4 MiB.
+const MOST_BYTES_OF_BOOKS: u64 = 6 << 20;
 
 static CODECS: LazyLock<CodecRegistry> = LazyLock::new(|| {
     let mut codecs = CodecRegistry::new();
@@ -61,10 +66,12 @@ pub(super) fn open_track(name: &str, format: &dyn FormatReader) -> Result<Opened
         crate::check_rate(name, rate_hz)?;
     }
     check_packets(name, params)?;
+    check_books(name, params)?;
     let placed = if format.format_info().format == FORMAT_ID_MKV { with_speakers(params) } else { None };
-    let decoder = CODECS
-        .make_audio_decoder(placed.as_ref().unwrap_or(params), &AudioDecoderOptions::default())
-        .map_err(|error| unsupported(name, params.codec, &error))?;
+    let params_of_decoder = placed.as_ref().unwrap_or(params);
+    let decoder =
+        caught(name, || CODECS.make_audio_decoder(params_of_decoder, &AudioDecoderOptions::default()))?
+            .map_err(|error| unsupported(name, params.codec, &error))?;
     Ok(OpenedTrack {
         audible: audible_of(track, params),
         track_id: track.id,
@@ -86,7 +93,18 @@ fn check_packets(name: &str, params: &AudioCodecParameters) -> Result<(), SoundE
     Err(SoundError::Damaged { name: name.to_owned(), what })
 }
 
-/// The same with the usual speakers: Matroska states only the number of channels, which PCM has in WAVE order. Other codecs
+/// Refuses code books that take more memory than those of any song.
+fn check_books(name: &str, params: &AudioCodecParameters) -> Result<(), SoundError> {
+    let headers = params.extra_data.as_deref().filter(|_| params.codec == well_known::CODEC_ID_VORBIS);
+    let bytes = headers.map_or(0, bytes_of_books);
+    if bytes <= MOST_BYTES_OF_BOOKS {
+        return Ok(());
+    }
+    let what = format!("its code books would take {} MiB, too much for a song", bytes >> 20);
+    Err(SoundError::Damaged { name: name.to_owned(), what })
+}
+
+/// The parameters with the usual speakers: Matroska states only the number of channels, which PCM has in WAVE order. Other codecs
 /// know their own.
 fn with_speakers(params: &AudioCodecParameters) -> Option<AudioCodecParameters> {
     if params.codec == well_known::CODEC_ID_OPUS {

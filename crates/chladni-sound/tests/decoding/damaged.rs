@@ -392,3 +392,12 @@ mod any_bytes {
         }
     }
 }
+
+#[test]
+fn a_header_that_its_reader_takes_for_impossible_is_damage() {
+    // The reader of Ogg asserts that 2^32 is more than four, in 32 bits.
+    let words = [(0x0056_4342, 24), (32, 16), (4, 24), (0, 1), (0, 1), (1, 5), (1, 5), (1, 5), (1, 5)];
+    let book = [&words[..], &[(1, 4), (0, 32), (0, 32), (0, 4), (0, 1), (0, 1)]].concat();
+    let error = read_bytes("x.ogg", vorbis_of_books(1, &book)).expect_err("there is no sound");
+    assert!(matches!(error, SoundError::Damaged { .. }), "{error}");
+}
