@@ -1,6 +1,7 @@
 //! The show file: the shape, the songs, the viewpoint and all actions. The window, films and the command read
 //! and write this one file.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use chladni_mesh::Orientation;
@@ -56,6 +57,9 @@ pub struct Show {
     /// The beat of an outer clock, where one was followed.
     #[serde(default, skip_serializing_if = "ClockTrack::is_empty")]
     pub clock: ClockTrack,
+    /// In copies against a crash: how the show names files of other machines, by the places that stand for them above.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub far: BTreeMap<String, FileRef>,
     /// All that was done, oldest first.
     #[serde(default)]
     pub actions: Vec<LoggedAction>,
@@ -99,6 +103,7 @@ impl Show {
             songs: Vec::new(),
             heard: Vec::new(),
             clock: ClockTrack::default(),
+            far: BTreeMap::new(),
             actions: instrument.log().to_vec(),
             read_from_version: FORMAT_VERSION,
         }
@@ -182,6 +187,7 @@ impl Show {
                 songs: songs.into_iter().collect(),
                 heard: Vec::new(),
                 clock: ClockTrack::default(),
+                far: BTreeMap::new(),
                 actions,
                 read_from_version: version,
             }

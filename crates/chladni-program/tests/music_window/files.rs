@@ -1,6 +1,6 @@
 //! Files that are opened, refused and remembered.
 
-use chladni_music::{Action, FileRef, GalleryShape, Instrument, LoggedAction, Looks, SongRef, Switch};
+use chladni_music::{Action, FileRef, GalleryShape, Instrument, LoggedAction, SongRef, Switch};
 
 use super::*;
 
@@ -297,35 +297,6 @@ fn songs_that_are_opened_with_a_show_come_behind_its_own() {
     wait(&mut window, "its song", |w| is_chosen(w, "song/1"));
     window.run_steps(20);
     assert!(is_chosen(&window, "song/1") && !is_chosen(&window, "song/2"));
-}
-
-#[test]
-fn files_of_a_show_that_are_not_there_now_keep_their_names() {
-    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
-    let path = |name: &str| folder.path().join(name);
-    let [ball, _] = ball_and_song(folder.path());
-    let shape = GalleryShape { eigenvalues: (0..96).map(f64::from).collect(), bands: 32 };
-    let file = |name: &str| FileRef { path: name.into(), blake3: None };
-    let show = Show {
-        body: Some(file("ball.obj")),
-        songs: ["songs/gone.wav", r"\\server\share\b.wav"].map(|song| SongRef::of(file(song))).into(),
-        looks: Some(Looks {
-            picture: "gone.png".into(),
-            panorama: r"\\server\share\sky.hdr".into(),
-            ..Looks::default()
-        }),
-        ..Show::of(&Instrument::new(3, 6, shape).unwrap())
-    };
-    show.save(&path("evening.toml")).unwrap();
-    let (folders, chooser) = (folders(folder.path()), Box::new(answers.clone()));
-    let files = vec![ball, path("evening.toml")];
-    let mut window = open(Opening { folders, chooser, files, ..Opening::default() }, [1000.0, 640.0]);
-    wait(&mut window, "the show", |w| shows(w, "6 items"));
-    let again = saved_show(&mut window, &answers, &path("later.toml"));
-    assert_eq!(again.songs.get(..2), Some(&show.songs[..]));
-    let looks = again.looks.unwrap();
-    assert!(looks.picture == "gone.png" && looks.panorama == r"\\server\share\sky.hdr", "{looks:?}");
-    wait(&mut window, "the warning", |w| shows(w, r"which will not find \\server\share\sky.hdr"));
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod clocks;
 mod controls;
 #[path = "../driving/mod.rs"]
 mod driving;
+mod far_files;
 mod files;
 mod films;
 mod first_shape;

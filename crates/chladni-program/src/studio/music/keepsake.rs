@@ -17,7 +17,6 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::copying::{INTERVAL_SECS, WITHIN_SECS, pause_secs};
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::work::unread;
 
 /// A long show takes time to put together, too, for which the window waits: it is copied a second later for so many actions.
 const ACTIONS_PER_SEC: f64 = 20_000.0;
@@ -238,7 +237,7 @@ impl MusicRoom {
         }
         // Where no copy is kept, the show need not be put together, either.
         if !keepsake.keeps_no_more()
-            && let Some(show) = self.the_show(shared, unread)
+            && let Some(show) = self.the_copy(shared)
             && let Some(why) = self.keepsake.write(show, now, folder, in_background)
         {
             shared.notices.warn(format!("No copy of the show could be kept: {why}"));

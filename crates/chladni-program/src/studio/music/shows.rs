@@ -21,7 +21,7 @@ use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
 use crate::work::{
     Error, cautions, find, is_far, is_like_a_show, is_lost, name_in, placed, playlist, refer, refer_looks,
-    resolve, resolve_looks,
+    resolve, resolve_looks, unread,
 };
 
 /// The most harmonics that dance live.
@@ -206,6 +206,12 @@ impl MusicRoom {
         })
     }
 
+    /// The show as a copy against a crash has it: with whole paths, and how it names files of other machines.
+    pub(super) fn the_copy(&self, shared: &Shared<'_>) -> Option<Show> {
+        let far = self.far.iter().map(|(place, named)| (unread(place).path, named.clone())).collect();
+        Some(Show { far, ..self.the_show(shared, unread)? })
+    }
+
     /// How the show that was opened names `file`, where that is of another machine and still not beside the show.
     fn far_name(&self, file: &Path) -> Option<FileRef> {
         self.far.get(file).filter(|_| !file.is_file()).cloned()
@@ -348,6 +354,9 @@ impl MusicRoom {
             songs.push(ShowSong::new(file, song.reading));
         }
         gone.retain(|(_, named)| is_far(Path::new(&named.path), folder));
+        // A copy of our own has whole paths, and says beside them what the show calls files of other machines.
+        let kept = show.far.iter().filter(|_| folder.is_none());
+        gone.extend(kept.map(|(place, named)| (PathBuf::from(place), named.clone())));
         self.far = gone.into_iter().collect();
         self.late_songs_follow = !songs.is_empty() && !self.late_songs.is_empty();
         // The stretches are numbered by these songs; an older file has none, and the current song goes on.
