@@ -9,14 +9,17 @@ mod driving;
 use std::f32::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::{Duration, Instant};
 
 use chladni_mesh::{samples, save_mesh};
 use chladni_music::{FlashCount, Histogram, MAX_FLASHES, Show, Veil, most_flashes_per_second};
 use chladni_program::studio::{Folders, Opening};
 use chladni_sound::{Capture, CaptureFeed};
 use driving::{Answers, Window, control, no_time, open_with, shows, wait};
+use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, Pos2, Rect, ViewportCommand};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 
 const RATE_HZ: u32 = 44_100;
 
@@ -113,6 +116,35 @@ impl Evening {
             histogram.add([x - left, y - top], size, [pixel[0], pixel[1], pixel[2]]);
         }
         histogram
+    }
+
+    /// Whether a part of the window holds more red than blue.
+    fn is_red(&mut self, part: Rect) -> bool {
+        let picture = self.window.render().unwrap();
+        let inside = |x: u32, y: u32| part.contains(Pos2::new(x as f32, y as f32));
+        let (mut red, mut blue) = (0, 0);
+        for (_, _, pixel) in picture.enumerate_pixels().filter(|(x, y, _)| inside(*x, *y)) {
+            (red, blue) = (red + u64::from(pixel[0]), blue + u64::from(pixel[2]));
+        }
+        red > blue
+    }
+
+    /// Puts the picture `next` behind the dances in place of the one called `name`, and waits until a part of the window is
+    /// red, or no longer. It is read on a thread: meanwhile the window's clock stands, so that on any machine each picture is
+    /// seen for as long.
+    fn put_behind(&mut self, name: &str, next: &Path, (part, is_red): (Rect, bool)) {
+        let now_secs = self.window.ctx.input(|input| input.time);
+        self.window.input_mut().time = Some(now_secs);
+        self.answers.add(next);
+        self.window.get_by_role_and_label(Role::Button, name).click_accesskit();
+        self.window.run_steps(1);
+        let began = Instant::now();
+        while self.is_red(part) != is_red {
+            assert!(began.elapsed() < chladni_testdata::HANGS, "{} is not seen", next.display());
+            std::thread::sleep(Duration::from_millis(5));
+            self.window.run_steps(1);
+        }
+        self.window.input_mut().time = None;
     }
 
     /// What is counted, in a part of the window, of `steps` steps, each of which begins with `act`.
@@ -265,7 +297,7 @@ fn bars_behind_a_stage_are_darkened_within_half_a_second() {
         // They are read beside the window.
         wait(&mut evening.window, "the bars", |w| !driving::is_busy(w));
         evening.counted(Rect::EVERYTHING, 30, |evening, _| {
-            std::thread::sleep(std::time::Duration::from_millis(5));
+            std::thread::sleep(Duration::from_millis(5));
             evening.step(|_| 0.0);
         })
     });
@@ -285,6 +317,39 @@ fn nor_does_a_background_that_changes_all_the_time() {
             control(&evening.window, background).click();
             evening.step(|_| 0.0);
         });
+        count.most_per_second()
+    });
+}
+
+#[test]
+fn nor_does_red_that_keeps_its_luminance() {
+    let folder = tempfile::tempdir().unwrap();
+    // Both have a relative luminance of 0.07.
+    let pictures = [("blue.png", [0, 0, 255]), ("red.png", [156, 0, 0])].map(|(name, color)| {
+        image::RgbImage::from_pixel(64, 64, image::Rgb(color)).save(folder.path().join(name)).unwrap();
+        name
+    });
+    let first = folder.path().join(pictures[1]);
+    let look = format!("[music]\nlook = \"\"\nmaterial = \"dark\"\npicture = '{}'\n", first.display());
+    free_and_limited(30, &look, "", |evening| {
+        control(&evening.window, "drawer/look").click();
+        evening.window.run_steps(2);
+        let part = control(&evening.window, "dance/1").rect();
+        let (mut times_secs, mut luminances, mut count) = (Vec::new(), Vec::new(), FlashCount::default());
+        // Ten changes a second.
+        for change in 0..15 {
+            let [next, shown] = [change % 2, (change + 1) % 2];
+            let is_red = next == 1;
+            evening.put_behind(pictures[shown], &folder.path().join(pictures[next]), (part, is_red));
+            for _ in 0..3 {
+                evening.step(|_| 0.0);
+                let (time_secs, seen) = (evening.window.ctx.input(|input| input.time), evening.seen(part));
+                times_secs.push(time_secs);
+                luminances.push(seen.luminance(Veil::Clear));
+                count.note(time_secs, &seen, Veil::Clear);
+            }
+        }
+        assert_eq!(most_flashes_per_second(&times_secs, &luminances), 0, "not only red changes");
         count.most_per_second()
     });
 }
