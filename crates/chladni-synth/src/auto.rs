@@ -179,3 +179,103 @@ impl Synthesizer for AutoSynthesizer {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::full_memory::leave;
+    use crate::{Coefficients, DeviceLoss, Term};
+
+    const HARMONICS: usize = 30;
+
+    /// A device of this test's own, whose memory is not full yet; `None` where there is none.
+    fn context() -> Option<GpuContext> {
+        if cfg!(miri) {
+            // Miri cannot call drivers.
+            return None;
+        }
+        leave(u64::MAX);
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
+        let Ok(adapter) = adapter else {
+            println!("skipped: no graphics device here");
+            return None;
+        };
+        let opened = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()));
+        let (device, queue) = opened.unwrap();
+        Some(GpuContext::new(&device, &queue, &DeviceLoss::watch(&device)))
+    }
+
+    /// 642 vertices: an item takes 7,704 bytes for positions, and as many for normals.
+    fn model() -> SynthModel {
+        let ball = chladni_mesh::samples::icosphere(3);
+        let basis: Vec<f64> =
+            (0..ball.positions.len() * HARMONICS).map(|i| (0.37 * i as f64).sin()).collect();
+        SynthModel::from_parts(&ball.positions, &ball.triangles, &basis).unwrap()
+    }
+
+    fn items(count: u8) -> Vec<Item> {
+        let term = |i: u8| Term {
+            coefficients: Coefficients::Vector(vec![[0.01 * f32::from(i), 0.02, -0.01]; HARMONICS]),
+            residual: None,
+            residual_gain: 0.0,
+            mask: None,
+        };
+        (0..count).map(|i| Item { terms: vec![term(i)] }).collect()
+    }
+
+    /// Makes a frame of `items`, which must be the one that the CPU makes.
+    fn synthesizes_on_the_cpu(auto: &mut AutoSynthesizer, items: &[Item]) {
+        let settings = FrameSettings::default();
+        auto.synthesize(items, &settings).unwrap();
+        let mut alone = CpuSynthesizer::new(model());
+        alone.synthesize(items, &settings).unwrap();
+        let cpu = auto.cpu().expect("the CPU took over");
+        assert_eq!(cpu.all_positions(), alone.all_positions());
+        assert_eq!(cpu.all_normals(), alone.all_normals());
+    }
+
+    const FULL: &str = "synthesizing on the CPU: the graphics device cannot be used: its memory is full";
+
+    #[test]
+    fn a_shape_that_finds_no_room_on_the_device_is_deformed_by_the_cpu() {
+        let Some(context) = context() else { return };
+        leave(1 << 10);
+        let mut auto = AutoSynthesizer::new(&context, model(), Backend::Gpu);
+        assert_eq!(auto.take_fallback().expect("it says so").to_string(), FULL);
+        // There is room for its frames again, and the device draws them.
+        leave(u64::MAX);
+        synthesizes_on_the_cpu(&mut auto, &items(9));
+        assert_eq!((auto.frame().items, auto.frame().vertices), (9, 642));
+        assert_eq!((context.lost(), auto.take_fallback()), (None, None));
+    }
+
+    #[test]
+    fn another_shape_that_finds_no_room_is_deformed_by_the_cpu() {
+        let Some(context) = context() else { return };
+        let mut auto = AutoSynthesizer::new(&context, model(), Backend::Gpu);
+        auto.synthesize(&items(2), &FrameSettings::default()).unwrap();
+        assert!(auto.cpu().is_none());
+        leave(1 << 10);
+        auto.replace_model(model()).unwrap();
+        assert_eq!(auto.take_fallback().expect("it says so").to_string(), FULL);
+        leave(u64::MAX);
+        synthesizes_on_the_cpu(&mut auto, &items(2));
+        assert_eq!(context.lost(), None);
+    }
+
+    #[test]
+    fn a_frame_that_outgrows_the_memory_is_made_by_the_cpu_and_the_window_hears_of_it() {
+        let Some(context) = context() else { return };
+        let mut auto = AutoSynthesizer::new(&context, model(), Backend::Gpu);
+        auto.synthesize(&items(1), &FrameSettings::default()).unwrap();
+        assert!(auto.cpu().is_none() && auto.take_fallback().is_none());
+        leave(1 << 14);
+        synthesizes_on_the_cpu(&mut auto, &items(9));
+        assert_eq!(auto.take_fallback().expect("it says so").to_string(), FULL);
+        // Nor is there room to draw it: the window opens again elsewhere.
+        assert_eq!(context.lost(), Some("its memory is full"));
+        synthesizes_on_the_cpu(&mut auto, &items(3));
+        assert_eq!(auto.take_fallback(), None, "reported once");
+    }
+}

@@ -180,14 +180,20 @@ pub fn meanwhile(
     })
 }
 
-/// Has `device` refuse a command, as one does whose memory is full.
+/// Has the memory of `device` be too small, on any driver: it is asked for a picture of hundreds of gigabytes.
 #[allow(dead_code, reason = "each test program uses a part")]
-pub fn refuse(device: &wgpu::Device) {
-    let _ = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("one that no device makes"),
-        size: 16,
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::VERTEX,
-        mapped_at_creation: false,
+pub fn exhaust(device: &wgpu::Device) {
+    let limits = device.limits();
+    let (side, layers) = (limits.max_texture_dimension_2d, limits.max_texture_array_layers);
+    let _ = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("one that no device has room for"),
+        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: layers },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
     });
 }
 

@@ -1,9 +1,21 @@
 //! A driver that restarts takes the window's device with it.
 
+use eframe::wgpu;
+
 use super::*;
 
 #[test]
 fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
+    goes_on_without(lose, "The graphics device was lost");
+}
+
+#[test]
+fn the_dance_goes_on_in_another_window_when_the_memory_of_the_device_is_full() {
+    goes_on_without(exhaust, "The graphics device was lost (its memory is full)");
+}
+
+/// Breeds a dance, does `harm` to the device, and finds all again in another window, which says why.
+fn goes_on_without(harm: fn(&wgpu::Device), why: &str) {
     let folder = tempfile::tempdir().unwrap();
     let folders = folders(folder.path());
     let handover = Handover::default();
@@ -23,12 +35,12 @@ fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
     click(&mut window, "dance/5");
     assert!(shows(&window, "2 / 2"));
 
-    lose(&device);
+    harm(&device);
     window.run_steps(2);
     assert!(handover.reason().is_some());
     drop(window);
     let (mut window, _) = open_with_device(opening(), size).expect("a device");
-    wait(&mut window, "the note", |w| shows(w, "The graphics device was lost"));
+    wait(&mut window, "the note", |w| shows(w, why));
     wait(&mut window, "the gallery as it was", |w| shows(w, "2 / 2"));
     assert!(is_chosen(&window, "dance/5"));
     window.run_steps(10);

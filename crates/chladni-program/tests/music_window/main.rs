@@ -32,8 +32,9 @@ use chladni_music::{Preset, Show};
 use chladni_program::studio::{Folders, Handover, Opening, Trace};
 use chladni_sound::{Song, WavSample, write_wav};
 use driving::{
-    Answers, Window, are_hit_apart, control, drop_files, is_there, lose, meanwhile, no_time, numbers_by_tab,
-    open, open_with, open_with_device, screenshot, shows, takes_pictures, wait, wait_until_left,
+    Answers, Window, are_hit_apart, control, drop_files, exhaust, is_there, lose, meanwhile, no_time,
+    numbers_by_tab, open, open_with, open_with_device, screenshot, shows, takes_pictures, wait,
+    wait_until_left,
 };
 use egui::accesskit::{Role, Toggled};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use chladni_program::studio::{Handover, Opening};
+use eframe::wgpu;
 use egui::{Key, Modifiers};
 
 use crate::CTRL;
@@ -60,6 +61,47 @@ fn another_window_goes_on_with_all_that_was_open() {
     assert!(!person.sees("copy"));
 }
 
+#[test]
+fn where_memory_is_full_the_work_goes_on_elsewhere_and_in_the_end_on_the_processor() {
+    let desk = Desk::new();
+    let handover = Handover::default();
+    let now = driving::no_time;
+    let opening = |files: &[&str]| Opening { handover: handover.clone(), now, ..desk.opening(files) };
+    let size = [1280.0, 800.0];
+    let Some((window, device)) = driving::open_with_device(opening(&["shape.obj", "template.obj"]), size)
+    else {
+        return;
+    };
+    let mut person = Person(window);
+    person.wait_to_see("Covered");
+    person.press_with(CTRL, Key::D);
+    assert!(person.sees("copy"));
+    let leave = |mut person: Person, device: wgpu::Device| {
+        driving::exhaust(&device);
+        person.0.run_steps(3);
+        assert_eq!(handover.reason().as_deref(), Some("its memory is full"));
+    };
+    let goes_on = |person: &mut Person| {
+        assert!(handover.reason().is_none());
+        person.wait_to_see("The graphics device was lost (its memory is full)");
+        assert!(person.sees("copy"));
+    };
+    leave(person, device);
+    let (window, device) = driving::open_with_device(opening(&[]), size).expect("a device");
+    person = Person(window);
+    goes_on(&mut person);
+    leave(person, device);
+    person = Person(driving::open(opening(&[]), size));
+    goes_on(&mut person);
+    // The picture and the history came along.
+    person.wait("a picture", |window| !driving::shows(window, "Matching"));
+    person.0.run_steps(20);
+    let colors: std::collections::BTreeSet<[u8; 4]> = middle(&mut person).into_iter().collect();
+    assert!(colors.len() > 20, "{} colors", colors.len());
+    person.press_with(CTRL, Key::Z);
+    assert!(!person.sees("copy"));
+}
+
 /// A hand at work, whose device is of no use again and again.
 struct Hand {
     person: Person,
@@ -111,10 +153,10 @@ impl Hand {
 }
 
 /// A campaign: `CHLADNI_CASES=1000 cargo test --release -p chladni-program --test studio any_moment` (docs/trust.md). The device
-/// refuses a command but goes on: wgpu 30 can come to a standstill where a destroyed one is waited for and written to
+/// runs out of memory but goes on: wgpu 30 can come to a standstill where a destroyed one is waited for and written to
 /// by two threads, as those that draw thumbnails do here.
 #[test]
-fn nothing_is_lost_where_a_device_refuses_at_any_moment() {
+fn nothing_is_lost_where_memory_is_full_at_any_moment() {
     let cases = chladni_testdata::setting("CHLADNI_CASES", 6);
     let desk = Desk::new();
     let handover = Handover::default();
@@ -135,8 +177,8 @@ fn nothing_is_lost_where_a_device_refuses_at_any_moment() {
     assert!(hand.save());
     let mut chance = chladni_testdata::chance(2012);
     for case in 0..cases {
-        let refusing = device.clone();
-        let driver = driving::meanwhile(&mut chance, move || driving::refuse(&refusing));
+        let full = device.clone();
+        let driver = driving::meanwhile(&mut chance, move || driving::exhaust(&full));
         let back = hand.work(&mut chance);
         driver.join().unwrap();
         let before = std::mem::take(&mut hand.saved);

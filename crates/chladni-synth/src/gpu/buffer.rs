@@ -63,6 +63,10 @@ fn check_size(device: &wgpu::Device, what: &'static str, needed: u64) -> Result<
 
 fn create(device: &wgpu::Device, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
     let size = size.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
+    #[cfg(test)]
+    if !super::full_memory::takes(size) {
+        return super::full_memory::refused(device, label, size);
+    }
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size,

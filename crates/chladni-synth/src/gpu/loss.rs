@@ -2,6 +2,8 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::checked::why;
+
 /// Whether a device was lost or refused a command, and why. A device has only one callback for either: the code that opens
 /// the device registers them once, with [`watch`](Self::watch), and passes on clones.
 #[derive(Clone, Debug, Default)]
@@ -20,7 +22,7 @@ impl DeviceLoss {
         });
         let word = Arc::clone(&loss.0);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            let _ = word.set(error.to_string());
+            let _ = word.set(why(&error));
         }));
         loss
     }

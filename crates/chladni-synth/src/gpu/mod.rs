@@ -4,6 +4,8 @@ mod buffer;
 mod checked;
 mod context;
 mod frame;
+#[cfg(test)]
+pub(crate) mod full_memory;
 mod loss;
 mod pipelines;
 mod product;
