@@ -127,7 +127,7 @@ pub fn song(bytes: &[u8]) {
     catch_decoders();
     let options = SongOptions { max_bytes: 1 << 22, ..SongOptions::default() };
     // What `SongReader` promises; a song in memory grows by doubling.
-    let (length, each, more) = (bytes.len(), 64, 8 * MIB);
+    let (length, each, more) = (bytes.len(), 64, 16 * MIB);
     let open = || SongReader::from_bytes("fuzz", bytes.to_vec());
     let Ok(mut reader) = within(length, each, more, open) else { return };
     assert_eq!(reader.tags().title.is_some(), reader.title().is_some());

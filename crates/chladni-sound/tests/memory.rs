@@ -12,7 +12,7 @@ static MEMORY: PeakAlloc = PeakAlloc;
 
 /// What `SongReader` promises for each byte of a file, and besides.
 const EACH: usize = 64;
-const BESIDES: usize = 8 << 20;
+const BESIDES: usize = 16 << 20;
 
 /// Rows of a file.
 const COUNT: usize = 60_000;

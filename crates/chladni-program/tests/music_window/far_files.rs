@@ -97,7 +97,9 @@ fn only_a_copy_of_our_own_may_say_how_else_files_are_named() {
 fn a_song_that_another_system_would_look_for_on_another_machine_is_saved_with_a_warning() {
     let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
     let [ball, song] = ball_and_song(folder.path());
-    let far = folder.path().join(r"\\server\share\a.wav");
+    // A name, not a path: only Windows looks for it elsewhere.
+    let name = r"\\server\share\a.wav".to_owned();
+    let far = folder.path().join(name);
     std::fs::rename(song, &far).unwrap();
     let (folders, chooser) = (folders(folder.path()), Box::new(answers.clone()));
     let (trace, files) = (Trace::default(), vec![ball, far]);

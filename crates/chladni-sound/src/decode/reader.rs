@@ -53,7 +53,7 @@ pub struct SongTags {
 /// that were not reached yet is not known.
 ///
 /// Memory does not depend on the length of the song, only on its tags and tables: it is bounded by 64 bytes for each byte
-/// of the file, and 8 MiB.
+/// of the file, and 16 MiB.
 pub struct SongReader {
     name: String,
     source: SharedSource,
