@@ -21,6 +21,8 @@ pub struct Certificate(pub harmonics::Certificate);
 
 #[pymethods]
 impl Certificate {
+    /// True where counts of the eigenvalues show that no pair is missing or doubled, False where they show that one is, and
+    /// None where no count does.
     #[getter]
     fn inertia_counts_match(&self) -> Option<bool> {
         self.0.inertia_counts_match

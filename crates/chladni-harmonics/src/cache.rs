@@ -11,8 +11,8 @@ use crate::operator::Domain;
 use crate::values::{Keep, Values};
 use crate::{Basis, BasisSettings, Certificate, HarmonicsError, Laplacian, memory};
 
-/// Increased whenever the same mesh and settings would give a different basis.
-const VERSION: u32 = 4;
+/// Increased whenever the same mesh and settings would give a different basis or certificate.
+const VERSION: u32 = 5;
 const MAGIC: &[u8; 16] = b"chladni basis  1";
 /// How much the entries of a cache take together unless it says otherwise, in bytes.
 const MOST_BYTES: u64 = 10 << 30;

@@ -17,8 +17,6 @@ const GAP: f64 = 1e-6;
 const NARROW: f64 = 1e-3;
 /// The largest number of rounds of counting in the search for the shift.
 const ROUNDS: usize = 100;
-/// Counts resolve eigenvalues down to this share of ‖A‖.
-const RESOLVED: f64 = 1e-13;
 
 /// One connected component.
 struct Component {
@@ -166,6 +164,11 @@ impl Components {
         Ok(self.counts(lambda, &mut Profile::default())?.iter().sum())
     }
 
+    /// Rounding moves no count by more than this along the spectrum.
+    pub(super) fn resolved(&self) -> f64 {
+        self.0.iter().map(|component| component.problem.resolved()).fold(0.0, f64::max)
+    }
+
     /// A shift with at least `wanted` eigenvalues below it (few more unless there is a multiple one) and
     /// none just below it: the cluster of the K-th eigenvalue ends below the shift.
     fn common_shift(
@@ -270,7 +273,7 @@ impl Component {
     fn count(&self, lambda: f64, profile: &mut Profile) -> Result<usize, HarmonicsError> {
         // For a tiny component the count is taken higher up: if only λ = 0 lies below that λ, the same
         // holds here.
-        let (resolved, zeros) = (RESOLVED * self.problem.largest, self.problem.zeros);
+        let (resolved, zeros) = (self.problem.resolved(), self.problem.zeros);
         if lambda < resolved && inertia(&self.problem, resolved, profile)?.1 == zeros {
             return Ok(zeros);
         }

@@ -7,6 +7,9 @@ use chladni_task::Task;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Mat, Par, Side};
 
+use super::assemble::check_certificate;
+use super::plan::inertia;
+use super::problem::Problem;
 use super::{Solved, Wanted, certify, cluster_end};
 use crate::platform::{HAS_THREADS, split};
 use crate::symmetric_eigen::symmetric_eigen;
@@ -18,11 +21,12 @@ const LONG: usize = 1000;
 /// Between two looks whether it was cancelled.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Solves M^-½ S M^-½, `zeros` eigenvalues of which are 0, as a dense matrix. All pairs are computed,
-/// therefore none can be missed.
+/// Solves M^-½ S M^-½, `zeros` eigenvalues of which are 0, as a dense matrix. All pairs are computed, but each only to a
+/// share of the largest eigenvalue: beside a huge one, small ones may be lost. `problem` is that of `pencil`, and counts.
 pub(super) fn solve(
     pencil: Pencil,
     zeros: usize,
+    problem: &Problem,
     wanted: Wanted,
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
@@ -33,21 +37,25 @@ pub(super) fn solve(
     let par = split();
     let root = Root::of(pencil)?;
     let symmetric = root.symmetrized(pencil, par);
-    let (mut eigenvalues, coordinates) = interruptible(symmetric, par, task)?
+    let (mut all, coordinates) = interruptible(symmetric, par, task)?
         .ok_or_else(|| HarmonicsError::not_certified("the dense solver failed"))?;
     task.check()?;
     let coordinates = root.untransformed(coordinates, par);
-    eigenvalues[..zeros].fill(0.0);
-    let cluster_end = cluster_end(&eigenvalues, wanted.harmonics);
+    all[..zeros].fill(0.0);
+    let cluster_end = cluster_end(&all, wanted.harmonics);
     let keep = wanted.kept(cluster_end);
-    eigenvalues.truncate(keep);
+    let eigenvalues = all[..keep].to_vec();
     let mut vectors = vec![0.0; n * keep];
     for (k, h) in vectors.chunks_exact_mut(n).enumerate() {
         for v in 0..n {
             h[v] = coordinates[(v, k)];
         }
     }
-    let certificate = certify(pencil, zeros, &eigenvalues, &vectors, Some(true));
+    let mut certificate = certify(pencil, zeros, &eigenvalues, &vectors, None);
+    // Pairs that slices would not return may be of no eigenvalue at all: their number says nothing.
+    if check_certificate(&certificate).is_ok() {
+        certificate.inertia_counts_match = counts_match(problem, &all, cluster_end);
+    }
     let basis = Basis { eigenvalues, vectors: vectors.into(), mass: pencil.mass.to_vec(), certificate };
     Ok(Solved {
         basis,
@@ -56,6 +64,16 @@ pub(super) fn solve(
         short_of_memory: None,
         profile: SolveProfile::default(),
     })
+}
+
+/// Whether a factorization, as between slices, counts as many eigenvalues as there are `values` below the gap in front of
+/// number `end`. `None` if it does not, but rounding may be the reason.
+fn counts_match(problem: &Problem, values: &[f64], end: usize) -> Option<bool> {
+    // Without a gap above them, these are as many as there are rows, and there cannot be more.
+    let Some(&[below, above]) = values.get(end.saturating_sub(1)..=end) else { return Some(true) };
+    let (lambda, count) = inertia(problem, 0.5 * (below + above), &mut SolveProfile::default()).ok()?;
+    let room = (lambda - below).min(above - lambda);
+    if count == end { Some(true) } else { (room > problem.resolved()).then_some(false) }
 }
 
 /// Eigenvalues and eigenvectors.
@@ -172,5 +190,61 @@ impl Operator {
         let (values, _) = symmetric_eigen(&matrix, Par::Seq)
             .ok_or_else(|| HarmonicsError::not_certified("the dense solver failed"))?;
         Ok(values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::values::Keep;
+
+    const BEADS: usize = 200;
+
+    /// Equal springs between neighbors in a row of beads.
+    fn row_of_springs() -> SymmetricSparse {
+        let spring = |v: usize| [(v, v, 1.0), (v - 1, v - 1, 1.0), (v, v - 1, -1.0)];
+        SymmetricSparse::from_entries(BEADS, (1..BEADS).flat_map(spring)).unwrap()
+    }
+
+    #[test]
+    fn what_is_too_rough_is_not_stated_to_be_complete() {
+        let stiffness = row_of_springs();
+        for (decades, counted) in [(2.0, Some(true)), (14.0, None)] {
+            let spread = |v: usize| decades * (0.618_033_988_749_895 * v as f64).fract() - 0.5 * decades;
+            let mass: Vec<f64> = (0..BEADS).map(|v| 10_f64.powf(spread(v))).collect();
+            let pencil = Pencil::new(&stiffness, &mass).unwrap();
+            for harmonics in [120, BEADS] {
+                let wanted = Wanted {
+                    harmonics,
+                    whole_clusters: false,
+                    most: BEADS,
+                    free: None,
+                    keep: Keep::Memory,
+                    scratch: None,
+                    frugal: false,
+                    at_once: 1,
+                };
+                let solved = solve(pencil, 1, &Problem::of(pencil), wanted, &Task::new()).unwrap();
+                let certificate = solved.basis.certificate;
+                assert_eq!(certificate.inertia_counts_match, counted, "{decades}: {certificate:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_missing_value_is_counted_and_what_rounding_blurs_is_not() {
+        let (stiffness, mass) = (row_of_springs(), vec![1.0; BEADS]);
+        let problem = Problem::of(Pencil::new(&stiffness, &mass).unwrap());
+        let wave = |k: usize| 2.0 - 2.0 * (std::f64::consts::PI * k as f64 / BEADS as f64).cos();
+        let exact: Vec<f64> = (0..BEADS).map(wave).collect();
+        for end in [1, 3, BEADS - 1, BEADS] {
+            assert_eq!(counts_match(&problem, &exact, end), Some(true), "{end}");
+        }
+        let mut fewer = exact.clone();
+        fewer.remove(2);
+        assert_eq!(counts_match(&problem, &fewer, 5), Some(false));
+        // There are no such eigenvalues, but rounding alone could hide them.
+        let lost: Vec<f64> = [0.0, 1e-16, 2e-16, 3e-16].into_iter().chain(exact).collect();
+        assert_eq!(counts_match(&problem, &lost, 3), None);
     }
 }

@@ -205,7 +205,8 @@ fn or_dense(
 ) -> Result<Solved, HarmonicsError> {
     match solved {
         Err(HarmonicsError::NotCertified { .. }) if pencil.mass.len() <= DENSE_SHARE => {
-            let solved = dense::solve(pencil, zeros, wanted, task)?;
+            let problem = Problem::of(pencil).given(pencil)?;
+            let solved = dense::solve(pencil, zeros, &problem, wanted, task)?;
             Ok(Solved { fell_back_to_dense: true, ..solved })
         }
         solved => solved,
@@ -228,21 +229,22 @@ fn solve_connected(
         stage.advance(1);
         return Ok(constant(pencil));
     }
-    if n <= DENSE || (n <= DENSE_SHARE && harmonics * 3 > n) || harmonics * 2 > n {
-        if n > DENSE_MOST {
-            let reason = "half of all and more take a dense solver, which is for at most 20000 vertices";
-            return Err(HarmonicsError::TooMany { harmonics, vertices: n, reason: reason.into() });
-        }
-        let solved = dense::solve(pencil, zeros, wanted, task)?;
+    let is_dense = n <= DENSE || (n <= DENSE_SHARE && harmonics * 3 > n) || harmonics * 2 > n;
+    if is_dense && n > DENSE_MOST {
+        let reason = "half of all and more take a dense solver, which is for at most 20000 vertices";
+        return Err(HarmonicsError::TooMany { harmonics, vertices: n, reason: reason.into() });
+    }
+    let start = Instant::now();
+    let problem = problem.unwrap_or_else(|| Problem::of(pencil));
+    let analyze = start.elapsed().as_secs_f64();
+    if is_dense {
+        let solved = dense::solve(pencil, zeros, &problem, wanted, task)?;
         // If slivers make the largest eigenvalues huge, slices are more accurate for the lowest ones.
         if n > DENSE || harmonics * 2 > n || solved.basis.certificate.is_precise() {
             stage.advance(harmonics as u64);
             return Ok(solved);
         }
     }
-    let start = Instant::now();
-    let problem = problem.unwrap_or_else(|| Problem::of(pencil));
-    let analyze = start.elapsed().as_secs_f64();
     let fitting = wanted.fitted(&problem.symbolic)?;
     let solve = || slicing::solve(&problem, pencil, fitting, stage, task);
     let mut solved = wanted.on_fewer(fitting, n, solve)?;

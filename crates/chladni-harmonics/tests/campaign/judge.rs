@@ -176,8 +176,8 @@ fn invented(known: &Known, basis: &Basis) -> Option<String> {
     })
 }
 
-/// Describes how [`Operator::certify`] is mistaken about a precise result, which it must accept unless its counts are lost in
-/// rounding, or about the same without one pair, which it must not.
+/// Describes how [`Operator::certify`] is mistaken about a precise result, which it must not refute, and must accept unless
+/// its counts are lost in rounding; or about the same without one pair, which it must not accept.
 fn certified_again(operator: &Operator, known: &Known, basis: &Basis) -> Option<String> {
     if !basis.certificate.is_precise() {
         return None;
@@ -186,8 +186,9 @@ fn certified_again(operator: &Operator, known: &Known, basis: &Basis) -> Option<
     let is_countable = basis.eigenvalues.get(known.zeros).is_none_or(|first| largest <= COUNTABLE * first);
     match operator.certify(basis) {
         Ok(again) if again.inertia_counts_match == Some(true) => {}
-        other if is_countable => return Some(format!("precise, but certified again it is {other:?}")),
-        _ => {}
+        Ok(again) if again.inertia_counts_match.is_none() && !is_countable => {}
+        Err(_) if !is_countable => {}
+        other => return Some(format!("precise, but certified again it is {other:?}")),
     }
     // One of the last group may be missing, because K may cut it.
     let values = &basis.eigenvalues;
@@ -200,7 +201,7 @@ fn certified_again(operator: &Operator, known: &Known, basis: &Basis) -> Option<
     vectors.drain(missing * n..(missing + 1) * n);
     let fewer = Basis { eigenvalues, vectors: vectors.into(), ..basis.clone() };
     let again = operator.certify(&fewer).ok()?;
-    (again.inertia_counts_match != Some(false))
+    (again.inertia_counts_match == Some(true))
         .then(|| format!("certified again without pair {missing}: {again:?}"))
 }
 

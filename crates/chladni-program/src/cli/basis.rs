@@ -126,7 +126,7 @@ struct Summary {
     seconds: chladni_harmonics::BuildSeconds,
     max_relative_residual: f64,
     max_orthogonality_error: f64,
-    /// `null` where nothing counted them.
+    /// `null` where no count shows it.
     inertia_counts_match: Option<bool>,
     cached: bool,
     cuts_cluster: bool,

@@ -125,7 +125,7 @@ fn certified(certificate: &Certificate) -> [(bool, String); 3] {
             "Complete: an independent count finds as many below the last one, so none is missing and none is double."
         }
         Some(false) => "Not certified complete: an independent count does not agree, some may be missing.",
-        None => "Not certified complete: nothing counted them. A second search found none that is missing.",
+        None => "Not certified complete: no count shows that none is missing.",
     };
     let worst = format!("the worst solves its equation to {residual:.0e} of its size");
     let exact = match Certificate::RESIDUAL {
@@ -159,20 +159,25 @@ mod tests {
 
     #[test]
     fn what_is_not_certified_is_not_called_so() {
-        let said = |residual, overlap| {
-            certified(&Certificate {
-                laplacian: Laplacian::Delaunay,
-                inertia_counts_match: Some(true),
-                max_relative_residual: residual,
-                max_orthogonality_error: overlap,
-            })
+        let certificate = |residual, overlap| Certificate {
+            laplacian: Laplacian::Delaunay,
+            inertia_counts_match: Some(true),
+            max_relative_residual: residual,
+            max_orthogonality_error: overlap,
         };
+        let said = |residual, overlap| certified(&certificate(residual, overlap));
         let good = said(1e-12, 1e-14);
         let begins = |(good, text): &(bool, String), with: &str| *good && text.starts_with(with);
         assert!(begins(&good[1], "Exact: ") && begins(&good[2], "Independent: "), "{good:?}");
         for bad in [said(1e-6, 1e-5), said(f64::NAN, f64::NAN)] {
             assert!(!bad[1].0 && bad[1].1.starts_with("Not exact: "), "{bad:?}");
             assert!(!bad[2].0 && bad[2].1.starts_with("Not independent: "), "{bad:?}");
+        }
+        assert!(begins(&good[0], "Complete: "), "{good:?}");
+        for counted in [Some(false), None] {
+            let [complete, ..] =
+                certified(&Certificate { inertia_counts_match: counted, ..certificate(1e-12, 1e-14) });
+            assert!(!complete.0 && complete.1.starts_with("Not certified complete: "), "{complete:?}");
         }
     }
 
