@@ -1,5 +1,7 @@
 //! Files that are empty, truncated, absurd or endless.
 
+use chladni_testdata::vorbis_of_books;
+
 use super::*;
 
 #[test]
