@@ -31,8 +31,9 @@ const TINY: f64 = 0.01;
 const LAST_BITS: f64 = 2.0;
 /// Rounding errors of eigenvalues, as a share of the largest one.
 const ROUNDING: f64 = 2e-13;
-/// Doubles can count a millionth beside an eigenvalue if the largest one is no more times as large than this.
-const COUNTABLE: f64 = 1e10;
+/// A millionth of the first eigenvalue is 10⁻¹³ of the largest, beside which rounding may blur a count, if that is this many
+/// times as large.
+const COUNTABLE: f64 = 1e7;
 /// Up to this many rows each case is counted in [`miscounted`], beyond it one in eight.
 const COUNTED: usize = 120;
 
