@@ -51,8 +51,8 @@ pub use capture::{Capture, CaptureFeed, CaptureKind, CaptureLevel, CaptureSource
 pub use clicks::clicks;
 pub use crossfade::{LONGEST_CROSSFADE_SECS, crossfade_gain};
 pub use decode::{
-    SONG_EXTENSIONS, Song, SongOptions, SongReader, SongTags, StereoResampler, WavSample, wav_bytes,
-    write_wav,
+    SONG_EXTENSIONS, Song, SongOptions, SongReader, SongTags, StereoResampler, WavSample, is_decoding,
+    wav_bytes, write_wav,
 };
 pub use error::SoundError;
 pub use onset::{ONSET_RATE_HZ, Onset, OnsetDetector};

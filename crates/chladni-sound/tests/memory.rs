@@ -172,11 +172,33 @@ const MOST_WORDS: [(u32, u32); 6] =
     [(0x0056_4342, 24), (31, 16), (1 << 17, 24), (1, 1), (16, 5), (1 << 17, 18)];
 
 #[test]
+fn streams_of_opus_that_would_take_much_are_not_made() {
+    let head = b"OpusHead\x01\x01\x38\x01\x80\xbb\x00\x00\x00\x00\x01\xff\xff\x00";
+    let tags = b"OpusTags\0\0\0\0\0\0\0\0";
+    let pages =
+        [ogg_page(0, 2, 0, head, true), ogg_page(1, 0, 0, tags, true), ogg_page(2, 4, 960, &[0xfc], true)];
+    let bytes = pages.concat();
+    let length = bytes.len();
+    let (opening, reader) = peak(|| SongReader::from_bytes("streams.opus", bytes));
+    let error = reader.err().unwrap().to_string();
+    println!("{length} bytes: {opening} to open; {error}");
+    assert!(opening <= EACH * length + BESIDES, "{opening} bytes for {length}");
+}
+
+#[test]
 fn books_of_vorbis_that_would_take_much_are_not_made() {
     // A lattice of one value, and none.
     let lattice = [(1, 4), (0, 32), (0, 32), (0, 4), (0, 1), (0, 1)];
-    for (count, end) in [(1, &lattice[..]), (256, &lattice), (1, &[(0, 4)]), (256, &[(0, 4)])] {
-        let bytes = vorbis_of_books(count, &[&MOST_WORDS[..], end].concat());
+    // Lengths from 32 to 272 without a word, then all of 273, which the decoder keeps as 17.
+    let mut wrapped = [&MOST_WORDS[..4], &[(31, 5)], &[(0, 18); 241]].concat();
+    wrapped.push((1 << 17, 18));
+    let no_lattice = &[(0, 4)][..];
+    let books =
+        [(1, &MOST_WORDS[..], &lattice[..]), (256, &MOST_WORDS, &lattice), (1, &MOST_WORDS, no_lattice)];
+    for (count, words, end) in
+        books.into_iter().chain([(256, &MOST_WORDS[..], no_lattice), (100, &wrapped, no_lattice)])
+    {
+        let bytes = vorbis_of_books(count, &[words, end].concat());
         let length = bytes.len();
         let (opening, reader) = peak(|| SongReader::from_bytes("books.ogg", bytes));
         let error = reader.err().unwrap().to_string();

@@ -141,11 +141,12 @@ impl Watcher for Terminal {
 }
 
 /// The line, with control characters as JSON escapes them: names of files, and in them, may hold some, which would move the
-/// cursor or pass for lines of their own.
+/// cursor, pass for lines of their own, or turn the order of what follows around.
 fn plain(line: impl Display) -> String {
     let mut plain = String::new();
     for c in line.to_string().chars() {
-        if c.is_control() {
+        let is_layout = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        if c.is_control() || is_layout {
             plain.push_str(&format!("\\u{:04x}", u32::from(c)));
         } else {
             plain.push(c);

@@ -52,7 +52,7 @@ fn names_make_no_lines_and_move_no_cursor() {
     let home = tempfile::tempdir().unwrap();
     let folder = home.path();
     let [mesh, song, project, arrays, missing] =
-        ["obj", "wav", "chladni", "npz", "ply"].map(|kind| format!("a\n#\u{1b}[2J.{kind}"));
+        ["obj", "wav", "chladni", "npz", "ply"].map(|kind| format!("a\n#\u{1b}[2J\u{202e}.{kind}"));
     ball(&folder.join(&mesh));
     hum(&folder.join(&song));
     let commands: [(&[&str], bool); 6] = [
@@ -68,8 +68,11 @@ fn names_make_no_lines_and_move_no_cursor() {
         let output = command.arg("--quiet").args(arguments).current_dir(folder).output().unwrap();
         let printed = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
         assert_eq!(output.status.success(), succeeds, "{arguments:?}: {printed}");
-        assert!(printed.contains("#\\u001b[2J."), "{arguments:?}: {printed:?}");
-        assert!(printed.chars().all(|c| c == '\n' || !c.is_control()), "{arguments:?}: {printed:?}");
+        assert!(printed.contains("#\\u001b[2J\\u202e."), "{arguments:?}: {printed:?}");
+        assert!(
+            printed.chars().all(|c| c == '\n' || !(c.is_control() || c == '\u{202e}')),
+            "{arguments:?}: {printed:?}"
+        );
         assert!(printed.lines().all(|line| !line.starts_with('#')), "{arguments:?}: {printed:?}");
     }
 }

@@ -17,6 +17,7 @@ mod vorbis;
 mod wav;
 mod wav_lengths;
 
+pub use panics::is_decoding;
 pub use reader::{SongReader, SongTags};
 pub use resample::StereoResampler;
 pub use song::{Song, SongOptions};

@@ -53,7 +53,7 @@ pub struct SongTags {
 /// that were not reached yet is not known.
 ///
 /// Memory does not depend on the length of the song, only on its tags and tables: it is bounded by 64 bytes for each byte
-/// of the file, and 16 MiB.
+/// of the file, and 16 MiB (48 MiB of Vorbis, for two links of a chain).
 pub struct SongReader {
     name: String,
     source: SharedSource,

@@ -31,7 +31,7 @@ const MP3_DECODER_DELAY: u64 = 529;
 /// have 1152 frames, so that 455 channels can be read.
 const MOST_SAMPLES: u64 = 1 << 19;
 
-/// The most bytes that the code books of Vorbis may take. Those of the usual encoder take up to 4.4 MiB.
+/// The most bytes that the code books of Vorbis may take. Those of the usual encoder take up to 5.6 MiB.
 const MOST_BYTES_OF_BOOKS: u64 = 12 << 20;
 
 static CODECS: LazyLock<CodecRegistry> = LazyLock::new(|| {

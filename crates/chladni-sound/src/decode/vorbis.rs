@@ -36,52 +36,70 @@ impl Bits<'_> {
     }
 }
 
-/// The bytes that the decoder takes for the code books of these headers: all up to the first that it refuses.
+/// The most bytes that the decoder takes at once for the code books of these headers: all up to the first that it refuses.
 pub(super) fn bytes_of_books(headers: &[u8]) -> u64 {
     let Some(setup) = headers.get(IDENTIFICATION..).and_then(|rest| rest.strip_prefix(SETUP)) else {
         return 0;
     };
     let mut bits = Bits { bytes: setup, at: 0 };
     let count = bits.take(8).map_or(0, |more| more + 1);
-    (0..count).map_while(|_| bytes_of_book(&mut bits)).sum()
+    let books: Vec<Book> = (0..count).map_while(|_| Book::read(&mut bits)).collect();
+    let growing = books.iter().map(|book| book.tables / 2).max().unwrap_or(0);
+    books.iter().map(|book| book.vectors + book.words + book.tables).sum::<u64>() + growing
 }
 
-/// The same of the book that begins here; `None` where it is refused before it takes anything.
-fn bytes_of_book(bits: &mut Bits) -> Option<u64> {
-    let is_book = bits.take(24)? == SYNC;
-    let (dimensions, entries) = (bits.take(16)?, bits.take(24)?);
-    if !is_book || !(1..=MOST_DIMENSIONS).contains(&dimensions) || entries > MOST_ENTRIES {
-        return None;
-    }
-    let lengths = word_lengths(bits, entries)?;
-    let has_vectors = match bits.take(4)? {
-        0 => false,
-        kind @ (1 | 2) => {
-            bits.pass(64)?;
-            let bits_each = bits.take(4)? + 1;
-            bits.pass(1)?;
-            let values = if kind == 1 { lookup1_values(entries, dimensions) } else { entries * dimensions };
-            bits.pass(values as usize * bits_each as usize)?;
-            true
+/// The bytes that a code book takes.
+#[derive(Debug)]
+struct Book {
+    vectors: u64,
+    words: u64,
+    /// As they grow one by one, a list of half that size is there beside them for a while.
+    tables: u64,
+}
+
+impl Book {
+    /// That which begins here; `None` where it is refused before it takes anything.
+    fn read(bits: &mut Bits) -> Option<Self> {
+        let is_book = bits.take(24)? == SYNC;
+        let (dimensions, entries) = (bits.take(16)?, bits.take(24)?);
+        if !is_book || !(1..=MOST_DIMENSIONS).contains(&dimensions) || entries > MOST_ENTRIES {
+            return None;
         }
-        _ => return None,
-    };
-    let vectors = if has_vectors { 4 * u64::from(entries) * u64::from(dimensions) } else { 0 };
-    Some(vectors + bytes_of_tables(&lengths))
+        let lengths = word_lengths(bits, entries)?;
+        let has_vectors = match bits.take(4)? {
+            0 => false,
+            kind @ (1 | 2) => {
+                bits.pass(64)?;
+                let bits_each = bits.take(4)? + 1;
+                bits.pass(1)?;
+                let values =
+                    if kind == 1 { lookup1_values(entries, dimensions) } else { entries * dimensions };
+                bits.pass(values as usize * bits_each as usize)?;
+                true
+            }
+            _ => return None,
+        };
+        let vectors = if has_vectors { 4 * u64::from(entries) * u64::from(dimensions) } else { 0 };
+        // Its length, itself, its entry and its place in the tree, which takes up to twice that while it grows.
+        let words = 32 * lengths.iter().map(|count| u64::from(*count)).sum::<u64>();
+        Some(Self { vectors, words, tables: bytes_of_tables(&lengths) })
+    }
 }
 
-/// How many words there are of each length in bits.
+/// How many words there are of each length in bits, which the decoder keeps in a byte. Where it is above 32, the decoder panics,
+/// but has made the vectors by then.
 fn word_lengths(bits: &mut Bits, entries: u32) -> Option<[u32; LONGEST_WORD + 1]> {
     let mut lengths = [0; LONGEST_WORD + 1];
     let mut add = |length: u32, count: u32| {
-        *lengths.get_mut(length as usize)? += count;
-        Some(())
+        if let Some(words) = lengths.get_mut(usize::from(length as u8)) {
+            *words += count;
+        }
     };
     if bits.flag()? {
         let (mut length, mut left) = (bits.take(5)? + 1, entries);
         loop {
             let count = bits.take(u32::BITS - left.leading_zeros())?;
-            add(length, count)?;
+            add(length, count);
             left = left.checked_sub(count)?;
             if left == 0 {
                 break;
@@ -92,7 +110,7 @@ fn word_lengths(bits: &mut Bits, entries: u32) -> Option<[u32; LONGEST_WORD + 1]
         let is_sparse = bits.flag()?;
         for _ in 0..entries {
             if !is_sparse || bits.flag()? {
-                add(bits.take(5)? + 1, 1)?;
+                add(bits.take(5)? + 1, 1);
             }
         }
     }
@@ -121,11 +139,9 @@ fn bytes_of_tables(lengths: &[u32; LONGEST_WORD + 1]) -> u64 {
             .map(|(length, count)| u64::from(*count) << (LONGEST_WORD - length));
         longer.sum::<u64>() >> (LONGEST_WORD - depth)
     };
-    let words: u64 = lengths.iter().map(|count| u64::from(*count)).sum();
-    // Eight bytes for each place of a table, and some hundred for what it is made from; for a word, its length, itself, its
-    // entry and its place in the tree, which takes up to twice that while it grows.
-    let table = (8 << width) + 128;
-    32 * words + table * (0..longest).step_by(width).map(tables).sum::<u64>()
+    let count = (0..longest).step_by(width).map(tables).sum::<u64>();
+    // Eight bytes for each place of a table in a list that doubles, and some hundred for what the table is made from.
+    (8 << width) * count.next_power_of_two() + 128 * count
 }
 
 #[cfg(test)]
@@ -139,16 +155,17 @@ mod tests {
             for (length, count) in words {
                 lengths[*length] = *count;
             }
-            let words: u64 = lengths.iter().map(|count| u64::from(*count)).sum();
-            bytes_of_tables(&lengths) - 32 * words
+            bytes_of_tables(&lengths)
         };
-        let (small, large) = ((8 << 4) + 128, (8 << 8) + 128);
-        assert_eq!(tables(&[(1, 2)]), small);
-        assert_eq!(tables(&[(8, 256)]), large);
+        // With room for as many tables as the next power of two.
+        let large = |count: u64, room: u64| (8 << 8) * room + 128 * count;
+        assert_eq!(tables(&[]), 8 << 4);
+        assert_eq!(tables(&[(1, 2)]), (8 << 4) + 128);
+        assert_eq!(tables(&[(8, 256)]), large(1, 1));
         // Of two tables, the second is behind the one word that is not used.
-        assert_eq!(tables(&[(8, 255), (9, 2)]), 2 * large);
-        assert_eq!(tables(&[(9, 512)]), 257 * large);
-        assert_eq!(tables(&[(17, 1 << 17)]), (1 + 256 + 65_536) * large);
+        assert_eq!(tables(&[(8, 255), (9, 2)]), large(2, 2));
+        assert_eq!(tables(&[(9, 512)]), large(257, 512));
+        assert_eq!(tables(&[(17, 1 << 17)]), large(1 + 256 + 65_536, 1 << 17));
     }
 
     #[test]

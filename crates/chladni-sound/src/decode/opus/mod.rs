@@ -89,6 +89,10 @@ impl Head {
                 if streams == 0 || stereo_streams > streams {
                     return decode_error("opus: no such streams");
                 }
+                // Each takes a quarter of a megabyte. Encoders make no more of them than there are channels.
+                if streams > WAVE_ORDER.len() {
+                    return unsupported_error("opus: more than eight streams");
+                }
                 Ok(Self { gain, streams, stereo_streams, mapping: table[2..].to_vec() })
             }
             (1 | 255, None) => decode_error("opus: the identification header is cut off"),
