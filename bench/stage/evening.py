@@ -28,6 +28,7 @@ SONGS = {"song", "next-song", "previous-song", "shuffle", "repeat", "live"}
 # Knobs, looks, sizes and shapes take what memory they take. To be compared, the program is brought to the same ones now
 # and then, with the first song, and left alone for a while. All that the page of controls has a first value for gets it.
 REST_SECS = 20.0
+BEGUN_SECS = 3.0
 AT_REST = [
     ("stage", 1.0),
     ("leave", None),
@@ -154,9 +155,24 @@ def standing(pid):
         return None
 
 
+def is_recording(pid):
+    """Whether a set is being recorded, by the names of the program's threads."""
+    try:
+        return any(path.read_text().strip() == "recording" for path in Path(f"/proc/{pid}/task").glob("*/comm"))
+    except OSError:
+        # A thread ended just now.
+        return is_recording(pid) if standing(pid) else False
+
+
 def at_rest(hand, pid, settings):
     """Resident megabytes, open files and threads once the same settings, gallery and size of the window have been there for
-    a while."""
+    a while, and nothing is recorded."""
+    # One that began just now needs a moment, as does one that ends.
+    time.sleep(BEGUN_SECS)
+    if is_recording(pid):
+        hand.sendto(packet("/chladni/record", None), ("127.0.0.1", PORT))
+        while is_recording(pid):
+            time.sleep(0.1)
     for name, argument in settings:
         hand.sendto(packet(f"/chladni/{name}", argument), ("127.0.0.1", PORT))
         time.sleep(0.05)

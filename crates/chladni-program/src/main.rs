@@ -13,7 +13,7 @@ fn main() -> ExitCode {
 fn silence_decoders() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        if panic.location().is_none_or(|at| !at.file().contains("symphonia")) {
+        if !chladni_sound::is_decoding() {
             usual(panic);
         }
     }));
@@ -37,11 +37,12 @@ fn silence_wayland_lookup() {
 fn silence_wayland_lookup() {}
 
 /// glibc gives each thread a heap of its own, and keeps in it all memory of the thread's peaks. In a show of hours, where knobs
-/// take memory and leave it again, the program would grow by that: it has two heaps instead, and large blocks go back to
-/// the system when they are free.
+/// take memory and leave it again, the program would grow by that: it has two heaps instead, large blocks go back to
+/// the system when they are free, and free pages between blocks that are in use every now and then.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn give_memory_back() {
     const LARGE_BYTES: libc::c_int = 1 << 20;
+    const EVERY: std::time::Duration = std::time::Duration::from_secs(10);
     #[expect(unsafe_code, reason = "numbers that the allocator takes at any time")]
     // SAFETY: no memory of ours is touched.
     unsafe {
@@ -49,6 +50,18 @@ fn give_memory_back() {
         libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE_BYTES);
         libc::mallopt(libc::M_TRIM_THRESHOLD, 4 * LARGE_BYTES);
     }
+    let trim = || {
+        loop {
+            std::thread::sleep(EVERY);
+            #[expect(unsafe_code, reason = "a function that the allocator offers at any time")]
+            // SAFETY: no memory that is in use is touched.
+            unsafe {
+                libc::malloc_trim(0);
+            }
+        }
+    };
+    // Without that thread, the program works as well, but takes more memory.
+    let _ = std::thread::Builder::new().name("memory".into()).spawn(trim);
 }
 
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
