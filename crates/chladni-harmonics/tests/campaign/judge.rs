@@ -184,7 +184,8 @@ fn certified_again(operator: &Operator, known: &Known, basis: &Basis) -> Option<
         return None;
     }
     let largest = known.spectrum.last().copied().unwrap_or(0.0);
-    let is_countable = basis.eigenvalues.get(known.zeros).is_none_or(|first| largest <= COUNTABLE * first);
+    let first = basis.eigenvalues.get(known.zeros).or(known.spectrum.get(known.zeros));
+    let is_countable = first.is_none_or(|first| largest <= COUNTABLE * first);
     match operator.certify(basis) {
         Ok(again) if again.inertia_counts_match == Some(true) => {}
         Ok(again) if again.inertia_counts_match.is_none() && !is_countable => {}
