@@ -330,8 +330,8 @@ fn a_song_that_contradicts_what_its_decoder_asserts_is_refused_in_one_line() {
     let book = [&words[..], &[(1, 4), (0, 32), (0, 32), (0, 4), (0, 1), (0, 1)]].concat();
     std::fs::write(&song, chladni_testdata::vorbis_of_books(1, &book)).unwrap();
     let gif = folder.path().join("x.gif");
-    let arguments = ["dance", "sample:octopus", song.to_str().unwrap(), "-o", gif.to_str().unwrap()];
-    let run = Run::of(&arguments);
+    let [song, gif] = [&song, &gif].map(|path| path.to_str().unwrap());
+    let run = Run::of(&["--quiet", "dance", "sample:octopus", song, "-o", gif]);
     run.refused("asserted.ogg");
     assert_eq!(run.stderr().lines().count(), 1, "{}", run.stderr());
 }
