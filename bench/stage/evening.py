@@ -171,7 +171,8 @@ def at_rest(hand, pid, settings):
     time.sleep(BEGUN_SECS)
     if is_recording(pid):
         hand.sendto(packet("/chladni/record", None), ("127.0.0.1", PORT))
-        while is_recording(pid):
+        ends = time.monotonic() + LOG_SECS
+        while is_recording(pid) and time.monotonic() < ends:
             time.sleep(0.1)
     for name, argument in settings:
         hand.sendto(packet(f"/chladni/{name}", argument), ("127.0.0.1", PORT))
