@@ -13,7 +13,8 @@ pub struct Certificate {
     /// last pair), by Sylvester's law of inertia, equals the number of pairs found there: then none is missing
     /// and none is doubled. `None` where that is not known: a solver without factors
     /// ([`InnerSolver::Iterated`](crate::InnerSolver)) cannot count, nor are pairs of a dense solve counted whose
-    /// residuals or overlaps exceed 10⁻⁷, and a count beside a far larger eigenvalue may be lost in rounding.
+    /// residuals or overlaps exceed 10⁻⁷ (of a [`Pencil`](crate::Pencil), those of S + tM), and beside a far larger eigenvalue
+    /// the count of a dense solve may be lost in rounding.
     pub inertia_counts_match: Option<bool>,
     /// max over k ≥ 1 of ‖S h − λ M h‖ / ‖S h‖; from [`Operator::certify`](crate::Operator::certify) also that of the
     /// constants, as a share of the terms that cancel. For a [`Pencil`](crate::Pencil), that of S + tM, which is solved

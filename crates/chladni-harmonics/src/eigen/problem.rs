@@ -87,7 +87,7 @@ impl Problem {
         self.metric.as_ref().map_or(1.0, |metric| metric.stretch)
     }
 
-    /// Rounding moves a count by no more than this along the spectrum.
+    /// Rounding is not expected to move a count by more than this along the spectrum.
     pub(super) fn resolved(&self) -> f64 {
         RESOLVED * self.largest * self.stretch()
     }
