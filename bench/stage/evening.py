@@ -28,7 +28,6 @@ SONGS = {"song", "next-song", "previous-song", "shuffle", "repeat", "live"}
 # Knobs, looks, sizes and shapes take what memory they take. To be compared, the program is brought to the same ones now
 # and then, with the first song, and left alone for a while. All that the page of controls has a first value for gets it.
 REST_SECS = 20.0
-BEGUN_SECS = 3.0
 AT_REST = [
     ("stage", 1.0),
     ("leave", None),
@@ -41,6 +40,8 @@ AT_REST = [
     ("look", "aurora"),
     ("form", "half-mask"),
 ]
+# A recording that began just now needs a moment to be noticed, and one that ends to be written.
+RECORDING_BEGINS_SECS, RECORDING_ENDS_SECS = 3.0, 60.0
 # The last songs are short. In the middle between two rests nobody chooses another for a while, so that they end by themselves.
 SONG_SECS = [150, 150, 150, 7, 9, 8]
 LEFT_ALONE = 0.3
@@ -157,22 +158,18 @@ def standing(pid):
 
 def is_recording(pid):
     """Whether a set is being recorded, by the names of the program's threads."""
-    try:
-        return any(path.read_text().strip() == "recording" for path in Path(f"/proc/{pid}/task").glob("*/comm"))
-    except OSError:
-        # A thread ended just now.
-        return is_recording(pid) if standing(pid) else False
+    names = subprocess.run(["ps", "-L", "-o", "comm=", "-p", str(pid)], capture_output=True, text=True).stdout
+    return "recording" in names.split()
 
 
 def at_rest(hand, pid, settings):
     """Resident megabytes, open files and threads once the same settings, gallery and size of the window have been there for
     a while, and nothing is recorded."""
-    # One that began just now needs a moment, as does one that ends.
-    time.sleep(BEGUN_SECS)
+    time.sleep(RECORDING_BEGINS_SECS)
     if is_recording(pid):
         hand.sendto(packet("/chladni/record", None), ("127.0.0.1", PORT))
-        ends = time.monotonic() + LOG_SECS
-        while is_recording(pid) and time.monotonic() < ends:
+        until = time.monotonic() + RECORDING_ENDS_SECS
+        while is_recording(pid) and time.monotonic() < until:
             time.sleep(0.1)
     for name, argument in settings:
         hand.sendto(packet(f"/chladni/{name}", argument), ("127.0.0.1", PORT))
